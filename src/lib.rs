@@ -1,0 +1,4 @@
+//! Etalon.
+#![warn(missing_docs)]
+pub mod geometry;
+pub mod spectrum;
