@@ -1,4 +1,6 @@
 //! Etalon.
 #![warn(missing_docs)]
+pub mod error;
 pub mod geometry;
 pub mod spectrum;
+pub mod units;

@@ -1,0 +1,34 @@
+//! Lists the tables of `spectra/` for the program to carry.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+fn main() {
+    let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR").expect("cargo sets it"));
+    let spectra = root.join("spectra");
+    println!("cargo::rerun-if-changed={}", spectra.display());
+    let mut list = String::from("static BUILT_IN: &[(&str, &str, &str)] = &[\n");
+    for folder in sorted(&spectra).iter().filter(|p| p.is_dir()) {
+        println!("cargo::rerun-if-changed={}", folder.display());
+        for file in sorted(folder).iter().filter(|p| p.extension().is_some_and(|e| e == "csv")) {
+            let (kind, name) = (stem(folder), stem(file));
+            writeln!(list, "    ({kind:?}, {name:?}, include_str!({:?})),", file.display().to_string())
+                .expect("writing to a string cannot fail");
+        }
+    }
+    list.push_str("];\n");
+    let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets it")).join("spectra.rs");
+    fs::write(out, list).expect("the build folder can be written");
+}
+
+fn sorted(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.sort();
+    paths
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default()
+}

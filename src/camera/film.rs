@@ -1,0 +1,142 @@
+//! The film: sums in f64, and enough of their squares to know the error.
+//!
+//! Samples come in blocks. Within a block they are stratified, so their scatter says nothing
+//! about the error of their mean; different blocks are drawn independently, and the scatter
+//! of block sums gives an unbiased variance.
+
+/// Sums over the blocks of one channel of one pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BlockStatistics {
+    /// Sum of all samples.
+    pub sum: f64,
+    /// Sum over blocks of (block sum)^2 / (samples in the block).
+    pub square: f64,
+}
+
+impl BlockStatistics {
+    /// Adds a block of `count` samples that sum to `sum`.
+    pub fn add_block(&mut self, sum: f64, count: u32) {
+        self.sum += sum;
+        self.square += sum * sum / f64::from(count);
+    }
+
+    /// Standard error of the mean of `samples` samples in `blocks` blocks of any sizes;
+    /// `None` from fewer than two blocks.
+    ///
+    /// For independent blocks with variance s^2 n_b of a sum of n_b samples,
+    /// E\[square - sum^2 / n\] = (blocks - 1) s^2.
+    pub fn standard_error(&self, samples: u64, blocks: u32) -> Option<f64> {
+        let n = samples as f64;
+        let scatter = (self.square - self.sum * self.sum / n).max(0.0);
+        (blocks > 1).then(|| (scatter / f64::from(blocks - 1) / n).sqrt())
+    }
+}
+
+/// A picture being gathered.
+#[derive(Clone, Debug)]
+pub struct Film {
+    resolution: [u32; 2],
+    channels: usize,
+    /// Pixel by pixel in rows, channel by channel.
+    statistics: Vec<BlockStatistics>,
+    /// Samples that every pixel has.
+    samples_per_pixel: u64,
+    /// Blocks that every pixel has.
+    blocks: u32,
+    /// Samples that were not finite; each is counted as zero and reported.
+    pub non_finite_samples: u64,
+}
+
+impl Film {
+    /// An empty film.
+    pub fn new(resolution: [u32; 2], channels: usize) -> Self {
+        let pixels = resolution[0] as usize * resolution[1] as usize;
+        Self {
+            resolution,
+            channels,
+            statistics: vec![BlockStatistics::default(); pixels * channels],
+            samples_per_pixel: 0,
+            blocks: 0,
+            non_finite_samples: 0,
+        }
+    }
+
+    /// Width and height in pixels.
+    pub const fn resolution(&self) -> [u32; 2] {
+        self.resolution
+    }
+
+    /// Channels per pixel.
+    pub const fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Samples taken in every pixel so far.
+    pub const fn samples_per_pixel(&self) -> u64 {
+        self.samples_per_pixel
+    }
+
+    /// The rows, for threads to fill; follow with [`Film::finish_block`].
+    pub fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, BlockStatistics> {
+        let row = self.resolution[0] as usize * self.channels;
+        self.statistics.chunks_exact_mut(row)
+    }
+
+    /// Notes that every pixel has received one block of `count` samples.
+    pub const fn finish_block(&mut self, count: u32) {
+        self.samples_per_pixel += count as u64;
+        self.blocks += 1;
+    }
+
+    /// Mean of a channel in a pixel, pixels counted in rows from the top left.
+    pub fn mean(&self, pixel: usize, channel: usize) -> f64 {
+        self.statistics[pixel * self.channels + channel].sum / self.samples_per_pixel as f64
+    }
+
+    /// Standard error of that mean; zero while only one block is there.
+    pub fn standard_error(&self, pixel: usize, channel: usize) -> f64 {
+        self.statistics[pixel * self.channels + channel]
+            .standard_error(self.samples_per_pixel, self.blocks)
+            .unwrap_or(0.0)
+    }
+
+    /// Number of pixels.
+    pub const fn pixels(&self) -> usize {
+        self.resolution[0] as usize * self.resolution[1] as usize
+    }
+
+    /// Estimated relative error of the luminance image: root of the mean over pixels of
+    /// variance / (luminance^2 + (1 % of the mean)^2). `None` before two blocks.
+    pub fn relative_error(&self) -> Option<f64> {
+        const LUMINANCE: usize = 1;
+        if self.blocks < 2 {
+            return None;
+        }
+        let pixels = self.pixels();
+        let mean = (0..pixels).map(|p| self.mean(p, LUMINANCE)).sum::<f64>() / pixels as f64;
+        let floor = (0.01 * mean).powi(2);
+        if floor == 0.0 {
+            return Some(0.0);
+        }
+        let ratio = |p| self.standard_error(p, LUMINANCE).powi(2) / (self.mean(p, LUMINANCE).powi(2) + floor);
+        Some(((0..pixels).map(ratio).sum::<f64>() / pixels as f64).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unequal_blocks_give_the_textbook_error() {
+        // Blocks of 1, 2 and 3 samples; by hand: sum 12, mean 2,
+        // square = 1 + 25/2 + 36/3 = 25.5, scatter = 25.5 - 24 = 1.5, error^2 = 1.5/2/6.
+        let mut statistics = BlockStatistics::default();
+        for (sum, count) in [(1.0, 1), (5.0, 2), (6.0, 3)] {
+            statistics.add_block(sum, count);
+        }
+        let error = statistics.standard_error(6, 3).expect("three blocks");
+        assert!((error - 0.125_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(statistics.standard_error(6, 1), None);
+    }
+}

@@ -1,0 +1,153 @@
+//! Rays from the sensor through a pinhole or a thin lens.
+
+use crate::geometry::Ray;
+use glam::{DVec3, Vec3A};
+
+/// Where a camera is, in scene units and right-handed world coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraPlacement {
+    /// Pinhole, or centre of the lens.
+    pub position: DVec3,
+    /// Unit vector along the optical axis, into the scene.
+    pub forward: DVec3,
+    /// Unit vector to the right in the picture.
+    pub right: DVec3,
+    /// Unit vector up in the picture.
+    pub up: DVec3,
+}
+
+/// The opening of a thin lens and where it focuses, in scene units.
+#[derive(Clone, Copy, Debug)]
+pub struct LensAperture {
+    /// Radius of the entrance pupil.
+    pub radius: f64,
+    /// Distance of the plane in focus along the optical axis.
+    pub focus_distance: f64,
+}
+
+/// A camera that turns picture positions into rays.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    placement: CameraPlacement,
+    resolution: [u32; 2],
+    /// Half width and half height of the picture at distance one.
+    half_extent: [f64; 2],
+    /// Offset of the principal point from the picture's middle, in pixels (right, down).
+    principal_point_px: [f64; 2],
+    aperture: Option<LensAperture>,
+}
+
+impl Camera {
+    /// A camera whose picture spans `half_extent` (tangents of the half angles of view).
+    pub const fn new(
+        placement: CameraPlacement,
+        resolution: [u32; 2],
+        half_extent: [f64; 2],
+        principal_point_px: [f64; 2],
+        aperture: Option<LensAperture>,
+    ) -> Self {
+        Self { placement, resolution, half_extent, principal_point_px, aperture }
+    }
+
+    /// Width and height in pixels.
+    pub const fn resolution(&self) -> [u32; 2] {
+        self.resolution
+    }
+
+    /// Whether the lens has an opening, so that a ray needs a point on it.
+    pub const fn has_aperture(&self) -> bool {
+        self.aperture.is_some()
+    }
+
+    /// Where the camera stands, in scene units.
+    pub const fn placement(&self) -> &CameraPlacement {
+        &self.placement
+    }
+
+    /// Full horizontal and vertical angle of view in degrees.
+    pub fn field_of_view_deg(&self) -> [f64; 2] {
+        self.half_extent.map(|h| 2.0 * h.atan().to_degrees())
+    }
+
+    /// The same camera with another number of pixels; the picture's width stays, its height
+    /// follows the new shape.
+    #[must_use]
+    pub fn with_resolution(&self, resolution: [u32; 2]) -> Self {
+        let [width, height] = resolution.map(f64::from);
+        let scale = width / f64::from(self.resolution[0]);
+        let mut camera = self.clone();
+        camera.resolution = resolution;
+        camera.half_extent[1] = self.half_extent[0] * height / width;
+        camera.principal_point_px = self.principal_point_px.map(|p| p * scale);
+        camera
+    }
+
+    /// The ray through a picture position in pixels (from the top left corner) and, with an
+    /// aperture, through the point of the lens that `u_lens` in [0, 1)^2 names.
+    pub fn ray(&self, pixel: [f64; 2], u_lens: [f32; 2]) -> Ray {
+        let CameraPlacement { position, forward, right, up } = self.placement;
+        let [width, height] = self.resolution.map(f64::from);
+        let x = 2.0 * (pixel[0] - self.principal_point_px[0]) / width - 1.0;
+        let y = 1.0 - 2.0 * (pixel[1] - self.principal_point_px[1]) / height;
+        let through = forward + right * (x * self.half_extent[0]) + up * (y * self.half_extent[1]);
+        let Some(aperture) = self.aperture else {
+            return Ray::new(vec3a(position), vec3a(through.normalize()));
+        };
+        let [lens_x, lens_y] = disk_point(u_lens).map(|c| c * aperture.radius);
+        let offset = right * lens_x + up * lens_y;
+        let direction = (through * aperture.focus_distance - offset).normalize();
+        Ray::new(vec3a(position + offset), vec3a(direction))
+    }
+}
+
+fn vec3a(v: DVec3) -> Vec3A {
+    v.as_vec3a()
+}
+
+/// Uniform point of the unit disk by the concentric map (Shirley and Chiu 1997).
+fn disk_point(u: [f32; 2]) -> [f64; 2] {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+    let [a, b] = u.map(|v| 2.0 * f64::from(v) - 1.0);
+    if a == 0.0 && b == 0.0 {
+        return [0.0, 0.0];
+    }
+    let (radius, angle) =
+        if a.abs() > b.abs() { (a, FRAC_PI_4 * (b / a)) } else { (b, FRAC_PI_2 - FRAC_PI_4 * (a / b)) };
+    [radius * angle.cos(), radius * angle.sin()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(aperture: Option<LensAperture>) -> Camera {
+        let placement = CameraPlacement {
+            position: DVec3::new(0.25, 0.5, -1.0),
+            forward: DVec3::Z,
+            right: DVec3::NEG_X,
+            up: DVec3::Y,
+        };
+        Camera::new(placement, [40, 20], [0.5, 0.25], [0.0, 0.0], aperture)
+    }
+
+    #[test]
+    fn all_rays_of_a_pixel_meet_in_the_plane_of_focus() {
+        let focused = camera(Some(LensAperture { radius: 0.05, focus_distance: 2.0 }));
+        let centre = camera(None).ray([7.3, 12.9], [0.0; 2]);
+        let target = centre.origin + centre.direction * (2.0 / centre.direction.z);
+        for i in 0..64_u8 {
+            let u = [f32::from(i % 8) / 8.0, f32::from(i / 8) / 8.0];
+            let ray = focused.ray([7.3, 12.9], u);
+            let met = ray.origin + ray.direction * ((target.z - ray.origin.z) / ray.direction.z);
+            assert!((met - target).length() < 1e-5, "{met} against {target}");
+        }
+    }
+
+    #[test]
+    fn corners_span_the_field_of_view() {
+        let ray = camera(None).ray([0.0, 0.0], [0.0; 2]);
+        let slope = ray.direction / ray.direction.z;
+        // Top left: to the left is +x for a camera whose right is -x.
+        assert!((slope.x - 0.5).abs() < 1e-6 && (slope.y - 0.25).abs() < 1e-6);
+    }
+}

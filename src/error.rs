@@ -1,0 +1,149 @@
+//! The only error type: where in which file, what stood there, what to do about it.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// The result of everything that reads what a user wrote.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// A fault in something a user gave: a scene, a table, a mesh, an argument.
+///
+/// Displayed on one line as `file:line:column /pointer: what; what to do`, with the parts
+/// that are unknown left out.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub struct Error {
+    /// The file at fault.
+    pub file: Option<PathBuf>,
+    /// One-based line in that file.
+    pub line: Option<usize>,
+    /// One-based column, counted in characters.
+    pub column: Option<usize>,
+    /// JSON pointer of the entry at fault, such as `/objects/3/material`.
+    pub pointer: Option<String>,
+    /// What is wrong, without a full stop.
+    pub message: String,
+    /// What to do about it, without a full stop.
+    pub hint: Option<String>,
+}
+
+impl Error {
+    /// An error that knows only what is wrong; add the place with the other methods.
+    pub fn new(message: impl Into<String>) -> Self {
+        Self { file: None, line: None, column: None, pointer: None, message: message.into(), hint: None }
+    }
+
+    /// Adds what to do about it.
+    #[must_use]
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// Adds the file, unless one is known already.
+    #[must_use]
+    pub fn in_file(mut self, file: &Path) -> Self {
+        self.file.get_or_insert_with(|| file.to_owned());
+        self
+    }
+
+    /// Adds a one-based line and, where known, column.
+    #[must_use]
+    pub fn at(mut self, line: usize, column: Option<usize>) -> Self {
+        self.line = Some(line);
+        self.column = column;
+        self
+    }
+
+    /// Puts a JSON pointer segment in front of what is known: errors travel outwards.
+    #[must_use]
+    pub fn under(mut self, segment: impl fmt::Display) -> Self {
+        let inner = self.pointer.take().unwrap_or_default();
+        self.pointer = Some(format!("/{segment}{inner}"));
+        self
+    }
+
+    /// The error of a file that cannot be read or written.
+    pub fn io(file: &Path, doing: &str, source: &std::io::Error) -> Self {
+        let hint = match source.kind() {
+            std::io::ErrorKind::NotFound => "check the path; it is taken relative to the file that names it",
+            std::io::ErrorKind::PermissionDenied => "check the permissions",
+            _ => "check the disk and the path",
+        };
+        Self::new(format!("cannot {doing}: {source}")).in_file(file).hint(hint)
+    }
+
+    /// `"; did you mean …?"` material: the known name nearest to a wrong one.
+    pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+        /// Below this Jaro-Winkler similarity a suggestion confuses more than it helps.
+        const ALIKE: f64 = 0.75;
+        known
+            .into_iter()
+            .map(|name| (strsim::jaro_winkler(wrong, name), name))
+            .filter(|(likeness, _)| *likeness > ALIKE)
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, name)| name)
+    }
+
+    /// An unknown name, with the nearest known one or all of them as the hint.
+    pub fn unknown_name<'a>(what: &str, wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        let known: Vec<&str> = known.into_iter().collect();
+        let hint = match Self::nearest(wrong, known.iter().copied()) {
+            Some(name) => format!("did you mean \"{name}\"?"),
+            None if known.is_empty() => format!("no {what} is defined"),
+            None if known.len() > 12 => {
+                format!("{} are known, {} among them", known.len(), known[..8].join(", "))
+            }
+            None => format!("known: {}", known.join(", ")),
+        };
+        Self::new(format!("unknown {what} \"{wrong}\"")).hint(hint)
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{}", file.display())?;
+            if let Some(line) = self.line {
+                write!(f, ":{line}")?;
+                if let Some(column) = self.column {
+                    write!(f, ":{column}")?;
+                }
+            }
+        }
+        let separator = if self.file.is_some() { " " } else { "" };
+        match &self.pointer {
+            Some(pointer) => write!(f, "{separator}{pointer}: ")?,
+            None if self.file.is_some() => f.write_str(": ")?,
+            None => {}
+        }
+        f.write_str(&self.message)?;
+        match &self.hint {
+            Some(hint) => write!(f, "; {hint}"),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn display_names_place_fault_and_remedy() {
+        let error = Error::new("unknown key \"fstop\"")
+            .hint("did you mean \"f_stop\"?")
+            .under("camera")
+            .at(12, Some(9))
+            .in_file(Path::new("scene.json"));
+        assert_eq!(
+            error.to_string(),
+            "scene.json:12:9 /camera: unknown key \"fstop\"; did you mean \"f_stop\"?"
+        );
+    }
+
+    #[test]
+    fn suggestions_are_near_or_absent() {
+        assert_eq!(Error::nearest("corenell-white", ["cornell-white", "gold"]), Some("cornell-white"));
+        assert_eq!(Error::nearest("zzz", ["cornell-white", "gold"]), None);
+    }
+}

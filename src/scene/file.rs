@@ -1,0 +1,420 @@
+//! What a scene's JSON says, key by key; it can be wrong, and nothing is resolved yet.
+//!
+//! Keys carry their unit. Alternatives are externally tagged (`{"sphere": {...}}`), which
+//! lets every fault be reported at its line and column. [`super::build`] turns this into a
+//! [`super::Scene`], which cannot be wrong.
+
+use crate::units::{Candelas, CandelasPerSquareMeter, FStop, Iso, Kelvin, Lumens, Seconds, Watts};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+pub use super::file_spectrum::{IndexDescription, IndexFile, MetalFile, SpectrumDescription, SpectrumFile};
+
+/// A point or direction: x, y, z.
+pub type Vector = [f64; 3];
+
+/// A scene in physical units.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// JSON Schema that an editor may use; ignored.
+    #[serde(default, rename = "$schema")]
+    pub schema: Option<String>,
+    /// Name of the scene, for reports.
+    pub name: String,
+    /// What the scene is and where its numbers come from.
+    #[serde(default)]
+    pub description: String,
+    /// Unit of all positions, radii and distances of this file, camera optics apart.
+    pub length_unit: LengthUnit,
+    /// Spectra of this scene by name; they hide built-in ones of the same name.
+    #[serde(default)]
+    pub spectra: BTreeMap<String, SpectrumFile>,
+    /// Materials by name.
+    #[serde(default)]
+    pub materials: BTreeMap<String, MaterialFile>,
+    /// Everything that has a surface.
+    #[serde(default)]
+    pub objects: Vec<ObjectFile>,
+    /// Lights without a surface.
+    #[serde(default)]
+    pub lights: Vec<LightFile>,
+    /// The camera; a scene that is only measured needs none.
+    #[serde(default)]
+    pub camera: Option<CameraFile>,
+    /// Illuminance and luminance meters.
+    #[serde(default)]
+    pub meters: Vec<MeterFile>,
+}
+
+/// Unit of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+pub enum LengthUnit {
+    /// Metres.
+    #[serde(rename = "m")]
+    Meters,
+    /// Centimetres.
+    #[serde(rename = "cm")]
+    Centimeters,
+    /// Millimetres.
+    #[serde(rename = "mm")]
+    Millimeters,
+}
+
+/// What a surface does with light.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum MaterialFile {
+    /// Diffuse reflection, the same in every direction.
+    #[serde(deny_unknown_fields)]
+    Lambertian {
+        /// Reflectance, 0 to 1.
+        reflectance: SpectrumFile,
+        /// Whether the back reflects as well; otherwise it is black. Default true.
+        #[serde(default = "yes")]
+        two_sided: bool,
+    },
+    /// Ideal mirror.
+    #[serde(deny_unknown_fields)]
+    Mirror {
+        /// Reflectance at every angle, 0 to 1.
+        reflectance: SpectrumFile,
+        /// Whether the back reflects as well; otherwise it is black. Default true.
+        #[serde(default = "yes")]
+        two_sided: bool,
+    },
+    /// Transparent medium behind a smooth or rough surface; closed shapes bound it.
+    #[serde(deny_unknown_fields)]
+    Dielectric {
+        /// Refractive index inside.
+        index: IndexFile,
+        /// Refractive index outside; vacuum (1) if left out.
+        #[serde(default)]
+        outside_index: Option<IndexFile>,
+        /// GGX roughness alpha, 0 (smooth) to 1.
+        #[serde(default)]
+        roughness_alpha: f64,
+        /// Absorption coefficient inside, per metre (natural logarithm).
+        #[serde(default)]
+        absorption_per_m: Option<SpectrumFile>,
+    },
+    /// Metal.
+    #[serde(deny_unknown_fields)]
+    Conductor {
+        /// Complex refractive index.
+        metal: MetalFile,
+        /// GGX roughness alpha, 0 (smooth) to 1.
+        #[serde(default)]
+        roughness_alpha: f64,
+        /// Whether the back reflects as well; otherwise it is black. Default true.
+        #[serde(default = "yes")]
+        two_sided: bool,
+    },
+}
+
+const fn yes() -> bool {
+    true
+}
+
+/// A surface with its material and, perhaps, its light.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectFile {
+    /// Name, for messages and reports.
+    #[serde(default)]
+    pub name: String,
+    /// The surface.
+    pub shape: ShapeFile,
+    /// Name of its material.
+    pub material: String,
+    /// Light that it gives off.
+    #[serde(default)]
+    pub emission: Option<EmissionFile>,
+    /// Transformations, applied in order.
+    #[serde(default)]
+    pub transform: Vec<TransformFile>,
+}
+
+/// A surface.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum ShapeFile {
+    /// Sphere, facing outwards.
+    #[serde(deny_unknown_fields)]
+    Sphere {
+        /// Centre.
+        center: Vector,
+        /// Radius.
+        radius: f64,
+    },
+    /// Circular cylinder, facing outwards.
+    #[serde(deny_unknown_fields)]
+    Cylinder {
+        /// Centre of one end.
+        from: Vector,
+        /// Centre of the other end.
+        to: Vector,
+        /// Radius.
+        radius: f64,
+        /// Whether disks close the ends. Default true.
+        #[serde(default = "yes")]
+        capped: bool,
+    },
+    /// Flat disk, facing along its normal.
+    #[serde(deny_unknown_fields)]
+    Disk {
+        /// Centre.
+        center: Vector,
+        /// Direction that it faces, of any length.
+        normal: Vector,
+        /// Radius.
+        radius: f64,
+    },
+    /// Four corners; it faces the side from which they run counter-clockwise.
+    #[serde(deny_unknown_fields)]
+    Quad {
+        /// Corners in order around the quad.
+        vertices: [Vector; 4],
+    },
+    /// Box along the axes, facing outwards.
+    #[serde(deny_unknown_fields)]
+    Box {
+        /// Smallest coordinates.
+        min: Vector,
+        /// Largest coordinates.
+        max: Vector,
+    },
+    /// Triangles written out.
+    #[serde(deny_unknown_fields)]
+    Mesh {
+        /// Vertex positions.
+        vertices: Vec<Vector>,
+        /// Vertex normals for smooth shading, one per vertex, or none.
+        #[serde(default)]
+        normals: Vec<Vector>,
+        /// Corners of each triangle as vertex numbers from 0, counter-clockwise seen from
+        /// the side that it faces.
+        triangles: Vec<[u32; 3]>,
+    },
+    /// Mesh in a PLY file.
+    #[serde(deny_unknown_fields)]
+    Ply {
+        /// Path, relative to the scene file.
+        file: String,
+    },
+    /// Mesh in a Wavefront OBJ file.
+    #[serde(deny_unknown_fields)]
+    Obj {
+        /// Path, relative to the scene file.
+        file: String,
+    },
+}
+
+/// One transformation.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum TransformFile {
+    /// Shift.
+    Translate(Vector),
+    /// Rotation about an axis through the origin, by the right-hand rule.
+    #[serde(deny_unknown_fields)]
+    Rotate {
+        /// Axis, of any length.
+        axis: Vector,
+        /// Angle in degrees.
+        degrees: f64,
+    },
+    /// Scale factors along x, y and z.
+    Scale(Vector),
+    /// Affine map: three rows of four numbers.
+    Matrix([[f64; 4]; 3]),
+}
+
+/// Light that something gives off: the shape of its spectrum, and its level.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EmissionFile {
+    /// Shape of the spectrum.
+    pub spectrum: SpectrumFile,
+    /// How much there is.
+    pub level: LevelFile,
+    /// Whether both sides of the surface shine. Default false.
+    #[serde(default)]
+    pub two_sided: bool,
+}
+
+/// How much light: one quantity, converted through the real geometry and spectrum.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum LevelFile {
+    /// Luminous flux in lumen.
+    FluxLm(Lumens),
+    /// Radiant flux within a band.
+    #[serde(deny_unknown_fields)]
+    RadiantPower {
+        /// Power in watts.
+        power_w: Watts,
+        /// The band that is meant: `[360, 830]`, or `"all"`.
+        band_nm: BandFile,
+    },
+    /// Electrical power and the lamp's efficacy.
+    #[serde(deny_unknown_fields)]
+    ElectricalPower {
+        /// Power that the lamp takes from the mains, in watts.
+        power_w: Watts,
+        /// Luminous flux per electrical watt.
+        efficacy_lm_per_w: f64,
+    },
+    /// Luminous intensity: of a point light, or of a flat or spherical lamp along its axis.
+    IntensityCd(Candelas),
+    /// Luminance of the surface.
+    LuminanceCdM2(CandelasPerSquareMeter),
+    /// Radiance of the surface within a band.
+    #[serde(deny_unknown_fields)]
+    Radiance {
+        /// Radiance in W sr^-1 m^-2.
+        radiance_w_sr_m2: f64,
+        /// The band that is meant.
+        band_nm: BandFile,
+    },
+    /// The spectrum is spectral radiance itself: factor from its values to
+    /// W sr^-1 m^-2 nm^-1.
+    SpectralRadianceFactor(f64),
+}
+
+/// The wavelengths over which a radiant quantity is counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BandFile {
+    /// From one wavelength to another, nm.
+    Range([f64; 2]),
+    /// All wavelengths.
+    All,
+}
+
+/// A light without a surface.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum LightFile {
+    /// Light from one point.
+    #[serde(deny_unknown_fields)]
+    Point {
+        /// Where it is.
+        position: Vector,
+        /// How its light spreads. Default isotropic.
+        #[serde(default)]
+        distribution: DistributionFile,
+        /// Its light; `luminance_cd_m2`, `radiance` and `spectral_radiance_factor` need a
+        /// surface and do not apply.
+        emission: EmissionFile,
+    },
+}
+
+/// How a point light's intensity depends on direction.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DistributionFile {
+    /// The same in every direction.
+    #[default]
+    Isotropic,
+    /// Proportional to the cosine from an axis, dark behind: a small Lambertian source.
+    #[serde(deny_unknown_fields)]
+    Cosine {
+        /// Axis, of any length.
+        axis: Vector,
+    },
+}
+
+/// The camera: where it is, its optics, its exposure.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CameraFile {
+    /// Position of the pinhole or the lens' centre.
+    pub position: Vector,
+    /// A point in the middle of the picture; give this or `direction`.
+    #[serde(default)]
+    pub look_at: Option<Vector>,
+    /// Optical axis, of any length; give this or `look_at`.
+    #[serde(default)]
+    pub direction: Option<Vector>,
+    /// A direction that is up in the picture.
+    pub up: Vector,
+    /// Focal length in mm.
+    pub focal_length_mm: f64,
+    /// Width and height of the sensor in mm.
+    pub sensor_mm: [f64; 2],
+    /// Width and height of the picture in pixels.
+    pub resolution: [u32; 2],
+    /// Where the optical axis meets the picture, in pixels from its middle (right, down).
+    #[serde(default)]
+    pub principal_point_px: [f64; 2],
+    /// Distance of the sharp plane along the axis, in the scene's length unit. With it the
+    /// lens has its real aperture; without it the camera is a pinhole with everything sharp.
+    #[serde(default)]
+    pub focus_distance: Option<f64>,
+    /// f-number.
+    pub f_stop: FStop,
+    /// Exposure time in seconds.
+    pub shutter_s: Seconds,
+    /// Exposure index.
+    pub iso: Iso,
+    /// Which ISO 12232 speed point the developed picture is anchored to.
+    #[serde(default)]
+    pub anchor: Anchor,
+    /// Lens constant q of H = q L t / N^2; 0.65 (ISO 12232) if left out.
+    #[serde(default = "standard_q")]
+    pub exposure_constant_q: f64,
+    /// `cie-1931`, or the name of a tabulated camera sensitivity.
+    #[serde(default = "standard_observer")]
+    pub sensor: String,
+    /// Illuminant that is developed as white: a spectrum; left out, nothing is adapted.
+    #[serde(default)]
+    pub white_balance: Option<SpectrumFile>,
+}
+
+const fn standard_q() -> f64 {
+    crate::camera::STANDARD_Q
+}
+
+fn standard_observer() -> String {
+    crate::camera::CIE_SENSOR.to_owned()
+}
+
+/// The speed point of ISO 12232 that fixes the level of a developed picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Anchor {
+    /// Saturation-based speed: 1.0 is the saturation exposure 78 lx s / ISO.
+    #[default]
+    Saturation,
+    /// Standard output sensitivity: 10 lx s / ISO is developed to 0.18.
+    Sos,
+    /// Exposure meter: the luminance K N^2 / (t ISO), K = 12.5, is developed to 0.18.
+    Meter,
+}
+
+/// An instrument in the scene.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum MeterFile {
+    /// Illuminance on a plane.
+    #[serde(deny_unknown_fields)]
+    Illuminance {
+        /// Name, for reports.
+        name: String,
+        /// Middle of the receiving plane.
+        position: Vector,
+        /// Direction that it faces, of any length.
+        normal: Vector,
+    },
+    /// Luminance seen from a point in a direction.
+    #[serde(deny_unknown_fields)]
+    Luminance {
+        /// Name, for reports.
+        name: String,
+        /// Eye point.
+        position: Vector,
+        /// Direction of view, of any length.
+        direction: Vector,
+    },
+}

@@ -1,0 +1,79 @@
+//! Curves as transport reads them: one value per nanometre, or one value in all.
+
+use super::lanes::Spectrum;
+use super::wavelengths::{FIRST_NM, GRID_POINTS, Wavelengths, grid_nm};
+
+/// A curve resampled onto the 1 nm grid; a flat curve is a single number.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Dense {
+    /// The same value at every wavelength.
+    Flat(f32),
+    /// Values at [`FIRST_NM`], `FIRST_NM` + 1, …; linear between.
+    Grid(Box<[f32; GRID_POINTS]>),
+}
+
+impl Dense {
+    /// Samples a function of wavelength in nm at every grid point.
+    pub fn from_fn(value_at_nm: impl Fn(f64) -> f64) -> Self {
+        let values: Vec<f32> = grid_nm().map(|nm| value_at_nm(nm) as f32).collect();
+        Self::from_values(&values)
+    }
+
+    /// From values at the grid points.
+    ///
+    /// # Panics
+    /// If there are not [`GRID_POINTS`] of them.
+    pub fn from_values(values: &[f32]) -> Self {
+        if values.iter().all(|v| v.to_bits() == values[0].to_bits()) {
+            return Self::Flat(values[0]);
+        }
+        Self::Grid(Box::new(values.try_into().expect("one value per grid point")))
+    }
+
+    /// The curve at the wavelengths of a path.
+    #[inline]
+    pub fn at(&self, wavelengths: &Wavelengths) -> Spectrum {
+        match self {
+            Self::Flat(value) => Spectrum::splat(*value),
+            Self::Grid(values) => Spectrum::from_fn(|lane| {
+                let cell = wavelengths.cell[lane] as usize;
+                let (a, b) = (values[cell], values[cell + 1]);
+                a + (b - a) * wavelengths.fraction[lane]
+            }),
+        }
+    }
+
+    /// Value at a grid point given by its index.
+    pub fn at_grid_point(&self, index: usize) -> f32 {
+        match self {
+            Self::Flat(value) => *value,
+            Self::Grid(values) => values[index],
+        }
+    }
+
+    /// Value at the grid point nearest to a wavelength within the grid.
+    pub fn near_nm(&self, nm: f64) -> f32 {
+        let index = (nm - FIRST_NM).round().clamp(0.0, (GRID_POINTS - 1) as f64);
+        self.at_grid_point(index as usize)
+    }
+
+    /// Whether the curve is the same everywhere.
+    pub const fn is_flat(&self) -> bool {
+        matches!(self, Self::Flat(_))
+    }
+
+    /// Whether the curve is zero everywhere.
+    pub fn is_zero(&self) -> bool {
+        *self == Self::Flat(0.0)
+    }
+
+    /// The curve times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let times = |v: f32| (f64::from(v) * factor) as f32;
+        match self {
+            Self::Flat(value) => Self::Flat(times(*value)),
+            Self::Grid(values) => Self::from_values(&values.map(times)),
+        }
+    }
+}
