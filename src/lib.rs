@@ -1,4 +1,5 @@
 //! Etalon.
 #![warn(missing_docs)]
 pub mod geometry;
+pub mod material;
 pub mod spectrum;
