@@ -1,7 +1,6 @@
 //! What surfaces do with light.
 //!
-//! [`Material`] is a surface's description, resolved once when the scene is built;
-//! [`Bsdf`] is that description at the wavelengths of one path. The contract of every
+//! [`Bsdf`] is a surface's material at the wavelengths of one path. The contract of every
 //! model, in the local frame whose z axis is the shading normal:
 //!
 //! * `wo` is where the path came from, `wi` where it goes on; both point away from the
@@ -13,3 +12,33 @@
 //!   coefficients.
 //! * Radiance is scaled by the squared ratio of refractive indices when it crosses an
 //!   interface, importance is not ([`Quantity`]).
+//! * `sample` may draw nothing; then the integral of `pdf` falls short of one by exactly
+//!   the probability of that.
+//! * A direction in the plane of the surface carries nothing.
+//!
+//! Lobes of microfacets are scattered once: light that meets a second facet is lost. The
+//! table in [`ggx`] says how much.
+
+mod bsdf;
+mod facing;
+pub mod fresnel;
+pub mod ggx;
+mod interface;
+mod lambertian;
+mod mirror;
+mod rough_conductor;
+mod rough_dielectric;
+mod smooth_conductor;
+mod smooth_dielectric;
+mod specimens;
+
+pub use bsdf::{Bsdf, BsdfSample, BsdfValue, Quantity};
+pub use ggx::Ggx;
+pub use interface::Interface;
+pub use lambertian::Lambertian;
+pub use mirror::Mirror;
+pub use rough_conductor::RoughConductor;
+pub use rough_dielectric::RoughDielectric;
+pub use smooth_conductor::SmoothConductor;
+pub use smooth_dielectric::SmoothDielectric;
+pub use specimens::specimens;

@@ -1,0 +1,172 @@
+//! The closed list of models, and the questions that integrators ask of them.
+
+use glam::Vec3A;
+
+use super::{
+    Ggx, Interface, Lambertian, Mirror, RoughConductor, RoughDielectric, SmoothConductor,
+    SmoothDielectric,
+};
+use crate::spectrum::Spectrum;
+
+/// What a path carries, which decides who is scaled by n^2 at an interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The path started at the camera and gathers radiance, which is compressed into a
+    /// smaller solid angle as it enters a denser medium.
+    Radiance,
+    /// The path started at a light and carries power, weighted by the camera's importance.
+    Importance,
+}
+
+/// What a model says about one pair of directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsdfValue {
+    /// f(wo, wi) |cos(wi)| in sr^-1.
+    pub value: Spectrum,
+    /// Density of `wi` given `wo` in sr^-1, each lane as if it were the hero.
+    pub pdf: Spectrum,
+}
+
+impl BsdfValue {
+    /// No scattering between the two directions.
+    pub const ZERO: Self = Self { value: Spectrum::ZERO, pdf: Spectrum::ZERO };
+}
+
+/// A direction drawn by the hero wavelength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsdfSample {
+    /// Where the path goes on.
+    pub wi: Vec3A,
+    /// f(wo, wi) |cos(wi)| in sr^-1; for a delta its coefficient.
+    pub value: Spectrum,
+    /// Density of `wi` in sr^-1; for a delta the probability of choosing it.
+    pub pdf: Spectrum,
+    /// Whether `value` and `pdf` belong to a Dirac delta.
+    pub is_delta: bool,
+    /// Whether the path crosses to the other side.
+    pub is_transmission: bool,
+    /// Whether the direction is right for the hero wavelength alone; the other lanes of
+    /// `value` and `pdf` are then zero.
+    pub hero_only: bool,
+}
+
+impl BsdfSample {
+    /// A draw from a lobe, with what the model says about it; `None` where the hero's
+    /// density vanishes.
+    pub(super) fn of_lobe(wi: Vec3A, judged: BsdfValue, is_transmission: bool) -> Option<Self> {
+        let BsdfValue { value, pdf } = judged;
+        let drawable = pdf.hero() > 0.0 && wi.is_finite();
+        drawable.then_some(Self {
+            wi,
+            value,
+            pdf,
+            is_delta: false,
+            is_transmission,
+            hero_only: false,
+        })
+    }
+
+    /// The same draw for the hero alone.
+    pub(super) fn for_hero_only(self) -> Self {
+        Self { value: self.value.hero_only(), pdf: self.pdf.hero_only(), hero_only: true, ..self }
+    }
+}
+
+/// A material at the wavelengths of one path.
+#[derive(Clone, Copy, Debug)]
+pub enum Bsdf {
+    /// Perfectly matte.
+    Lambertian(Lambertian),
+    /// Reflects without blur and without regard to the angle.
+    Mirror(Mirror),
+    /// A polished boundary between transparent media.
+    SmoothDielectric(SmoothDielectric),
+    /// A ground boundary between transparent media.
+    RoughDielectric(RoughDielectric),
+    /// Polished metal.
+    SmoothConductor(SmoothConductor),
+    /// Brushed or blasted metal.
+    RoughConductor(RoughConductor),
+}
+
+impl Bsdf {
+    /// A dielectric of GGX roughness `alpha`, which is polished below [`Ggx::MIN_ALPHA`]
+    /// or where no lane's refraction is blurred measurably.
+    pub fn dielectric(interface: Interface, alpha: f32) -> Self {
+        if alpha >= Ggx::MIN_ALPHA {
+            let rough = RoughDielectric { interface, facets: Ggx::isotropic(alpha) };
+            if !rough.is_delta() {
+                return Self::RoughDielectric(rough);
+            }
+        }
+        Self::SmoothDielectric(SmoothDielectric { interface })
+    }
+
+    /// A conductor of relative index n + ik and GGX roughness `alpha`, which is polished
+    /// below [`Ggx::MIN_ALPHA`].
+    pub fn conductor(n: Spectrum, k: Spectrum, alpha: f32, two_sided: bool) -> Self {
+        let metal = SmoothConductor { n, k, two_sided };
+        if alpha >= Ggx::MIN_ALPHA {
+            Self::RoughConductor(RoughConductor { metal, facets: Ggx::isotropic(alpha) })
+        } else {
+            Self::SmoothConductor(metal)
+        }
+    }
+
+    /// `eval` and `pdf` at once, which share most of their work.
+    pub fn evaluate(&self, wo: Vec3A, wi: Vec3A, quantity: Quantity) -> BsdfValue {
+        match self {
+            Self::Lambertian(model) => model.evaluate(wo, wi),
+            Self::RoughDielectric(model) => model.evaluate(wo, wi, quantity),
+            Self::RoughConductor(model) => model.evaluate(wo, wi),
+            Self::Mirror(_) | Self::SmoothDielectric(_) | Self::SmoothConductor(_) => {
+                BsdfValue::ZERO
+            }
+        }
+    }
+
+    /// f(wo, wi) |cos(wi)| in sr^-1; zero for deltas.
+    pub fn eval(&self, wo: Vec3A, wi: Vec3A, quantity: Quantity) -> Spectrum {
+        self.evaluate(wo, wi, quantity).value
+    }
+
+    /// Density in sr^-1 with which `sample` draws `wi`; zero for deltas.
+    pub fn pdf(&self, wo: Vec3A, wi: Vec3A, quantity: Quantity) -> Spectrum {
+        self.evaluate(wo, wi, quantity).pdf
+    }
+
+    /// Draws where the path goes on, from three numbers in [0, 1): `u_lobe` chooses between
+    /// reflection and transmission, `u` the direction within.
+    ///
+    /// Within a lobe the map is continuous and one to one. `None`: the path ends here.
+    pub fn sample(
+        &self,
+        wo: Vec3A,
+        u_lobe: f32,
+        u: [f32; 2],
+        quantity: Quantity,
+    ) -> Option<BsdfSample> {
+        match self {
+            Self::Lambertian(model) => model.sample(wo, u),
+            Self::Mirror(model) => model.sample(wo),
+            Self::SmoothDielectric(model) => model.sample(wo, u_lobe, quantity),
+            Self::RoughDielectric(model) => model.sample(wo, u_lobe, u, quantity),
+            Self::SmoothConductor(model) => model.sample(wo),
+            Self::RoughConductor(model) => model.sample(wo, u),
+        }
+    }
+
+    /// Whether the model has deltas only, so that no light can be aimed at from here.
+    pub fn is_delta(&self) -> bool {
+        match self {
+            Self::Mirror(_) | Self::SmoothDielectric(_) | Self::SmoothConductor(_) => true,
+            Self::RoughDielectric(model) => model.is_delta(),
+            Self::Lambertian(_) | Self::RoughConductor(_) => false,
+        }
+    }
+
+    /// Whether light crosses to the other side.
+    pub fn transmits(&self) -> bool {
+        matches!(self, Self::SmoothDielectric(_) | Self::RoughDielectric(_))
+    }
+}
