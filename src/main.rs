@@ -1,1 +1,22 @@
-fn main() {}
+//! The program `etalon`: prints errors and picks exit codes; the work is in `cli`.
+//!
+//! Exit codes: 0 done, 1 something failed, 2 something that the user gave is wrong.
+
+mod cli;
+
+use etalon::error::Error;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match cli::run() {
+        Ok(code) => code,
+        Err(error) if error.is::<Error>() => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

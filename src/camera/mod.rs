@@ -10,4 +10,4 @@ pub use develop::Development;
 pub use exposure::{Exposure, STANDARD_Q};
 pub use film::{BlockStatistics, Film};
 pub use lens::{Camera, CameraPlacement, LensAperture};
-pub use sensor::{CIE_SENSOR, Channel, Sensor};
+pub use sensor::{CIE_SENSOR, Channel, Sensor, uncovered_share};

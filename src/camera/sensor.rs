@@ -49,6 +49,14 @@ impl Sensor {
         Ok(sensor)
     }
 
+    /// Adds a channel that counts every wavelength of the grid alike, after all others:
+    /// radiant quantities within 360 to 830 nm.
+    #[must_use]
+    pub fn with_radiant_channel(mut self) -> Self {
+        self.channels.push(Channel { name: "radiant".to_owned(), response: Dense::Flat(1.0) });
+        self
+    }
+
     /// Adds spectral layers: `count` equal bands over the grid, each the mean spectral
     /// radiance of its band, named after Fichet, Pacanowski and Wilkie 2021.
     #[must_use]

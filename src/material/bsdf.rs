@@ -165,6 +165,18 @@ impl Bsdf {
         }
     }
 
+    /// The n^2 factor that radiance took on by crossing to the side of `wi`, at the hero; 1
+    /// where nothing crosses.
+    pub fn radiance_scale(&self, wi: Vec3A) -> f32 {
+        let interface = match self {
+            Self::SmoothDielectric(model) => model.interface,
+            Self::RoughDielectric(model) => model.interface,
+            _ => return 1.0,
+        };
+        let eta = 1.0 + interface.excess().hero();
+        if wi.z < 0.0 { 1.0 / (eta * eta) } else { eta * eta }
+    }
+
     /// Whether light crosses to the other side.
     pub fn transmits(&self) -> bool {
         matches!(self, Self::SmoothDielectric(_) | Self::RoughDielectric(_))

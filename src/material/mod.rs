@@ -1,6 +1,7 @@
 //! What surfaces do with light.
 //!
-//! [`Bsdf`] is a surface's material at the wavelengths of one path. The contract of every
+//! [`Material`] is a surface's description, resolved once when the scene is built;
+//! [`Bsdf`] is that description at the wavelengths of one path. The contract of every
 //! model, in the local frame whose z axis is the shading normal:
 //!
 //! * `wo` is where the path came from, `wi` where it goes on; both point away from the
@@ -31,6 +32,7 @@ mod rough_dielectric;
 mod smooth_conductor;
 mod smooth_dielectric;
 mod specimens;
+mod surface;
 
 pub use bsdf::{Bsdf, BsdfSample, BsdfValue, Quantity};
 pub use ggx::Ggx;
@@ -42,3 +44,4 @@ pub use rough_dielectric::RoughDielectric;
 pub use smooth_conductor::SmoothConductor;
 pub use smooth_dielectric::SmoothDielectric;
 pub use specimens::specimens;
+pub use surface::Material;

@@ -4,7 +4,7 @@
 //! lets every fault be reported at its line and column. [`super::build`] turns this into a
 //! [`super::Scene`], which cannot be wrong.
 
-use crate::units::{Candelas, CandelasPerSquareMeter, FStop, Iso, Kelvin, Lumens, Seconds, Watts};
+use crate::units::{Candelas, CandelasPerSquareMeter, FStop, Iso, Lumens, Seconds, Watts};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -67,7 +67,6 @@ pub enum LengthUnit {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MaterialFile {
     /// Diffuse reflection, the same in every direction.
-    #[serde(deny_unknown_fields)]
     Lambertian {
         /// Reflectance, 0 to 1.
         reflectance: SpectrumFile,
@@ -76,7 +75,6 @@ pub enum MaterialFile {
         two_sided: bool,
     },
     /// Ideal mirror.
-    #[serde(deny_unknown_fields)]
     Mirror {
         /// Reflectance at every angle, 0 to 1.
         reflectance: SpectrumFile,
@@ -85,7 +83,6 @@ pub enum MaterialFile {
         two_sided: bool,
     },
     /// Transparent medium behind a smooth or rough surface; closed shapes bound it.
-    #[serde(deny_unknown_fields)]
     Dielectric {
         /// Refractive index inside.
         index: IndexFile,
@@ -100,7 +97,6 @@ pub enum MaterialFile {
         absorption_per_m: Option<SpectrumFile>,
     },
     /// Metal.
-    #[serde(deny_unknown_fields)]
     Conductor {
         /// Complex refractive index.
         metal: MetalFile,
@@ -141,7 +137,6 @@ pub struct ObjectFile {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ShapeFile {
     /// Sphere, facing outwards.
-    #[serde(deny_unknown_fields)]
     Sphere {
         /// Centre.
         center: Vector,
@@ -149,7 +144,6 @@ pub enum ShapeFile {
         radius: f64,
     },
     /// Circular cylinder, facing outwards.
-    #[serde(deny_unknown_fields)]
     Cylinder {
         /// Centre of one end.
         from: Vector,
@@ -162,7 +156,6 @@ pub enum ShapeFile {
         capped: bool,
     },
     /// Flat disk, facing along its normal.
-    #[serde(deny_unknown_fields)]
     Disk {
         /// Centre.
         center: Vector,
@@ -172,13 +165,11 @@ pub enum ShapeFile {
         radius: f64,
     },
     /// Four corners; it faces the side from which they run counter-clockwise.
-    #[serde(deny_unknown_fields)]
     Quad {
         /// Corners in order around the quad.
         vertices: [Vector; 4],
     },
     /// Box along the axes, facing outwards.
-    #[serde(deny_unknown_fields)]
     Box {
         /// Smallest coordinates.
         min: Vector,
@@ -186,7 +177,6 @@ pub enum ShapeFile {
         max: Vector,
     },
     /// Triangles written out.
-    #[serde(deny_unknown_fields)]
     Mesh {
         /// Vertex positions.
         vertices: Vec<Vector>,
@@ -198,13 +188,11 @@ pub enum ShapeFile {
         triangles: Vec<[u32; 3]>,
     },
     /// Mesh in a PLY file.
-    #[serde(deny_unknown_fields)]
     Ply {
         /// Path, relative to the scene file.
         file: String,
     },
     /// Mesh in a Wavefront OBJ file.
-    #[serde(deny_unknown_fields)]
     Obj {
         /// Path, relative to the scene file.
         file: String,
@@ -218,7 +206,6 @@ pub enum TransformFile {
     /// Shift.
     Translate(Vector),
     /// Rotation about an axis through the origin, by the right-hand rule.
-    #[serde(deny_unknown_fields)]
     Rotate {
         /// Axis, of any length.
         axis: Vector,
@@ -251,7 +238,6 @@ pub enum LevelFile {
     /// Luminous flux in lumen.
     FluxLm(Lumens),
     /// Radiant flux within a band.
-    #[serde(deny_unknown_fields)]
     RadiantPower {
         /// Power in watts.
         power_w: Watts,
@@ -259,7 +245,6 @@ pub enum LevelFile {
         band_nm: BandFile,
     },
     /// Electrical power and the lamp's efficacy.
-    #[serde(deny_unknown_fields)]
     ElectricalPower {
         /// Power that the lamp takes from the mains, in watts.
         power_w: Watts,
@@ -271,7 +256,6 @@ pub enum LevelFile {
     /// Luminance of the surface.
     LuminanceCdM2(CandelasPerSquareMeter),
     /// Radiance of the surface within a band.
-    #[serde(deny_unknown_fields)]
     Radiance {
         /// Radiance in W sr^-1 m^-2.
         radiance_w_sr_m2: f64,
@@ -297,7 +281,6 @@ pub enum BandFile {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum LightFile {
     /// Light from one point.
-    #[serde(deny_unknown_fields)]
     Point {
         /// Where it is.
         position: Vector,
@@ -318,7 +301,6 @@ pub enum DistributionFile {
     #[default]
     Isotropic,
     /// Proportional to the cosine from an axis, dark behind: a small Lambertian source.
-    #[serde(deny_unknown_fields)]
     Cosine {
         /// Axis, of any length.
         axis: Vector,
@@ -398,7 +380,6 @@ pub enum Anchor {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MeterFile {
     /// Illuminance on a plane.
-    #[serde(deny_unknown_fields)]
     Illuminance {
         /// Name, for reports.
         name: String,
@@ -408,7 +389,6 @@ pub enum MeterFile {
         normal: Vector,
     },
     /// Luminance seen from a point in a direction.
-    #[serde(deny_unknown_fields)]
     Luminance {
         /// Name, for reports.
         name: String,

@@ -26,13 +26,11 @@ pub enum SpectrumFile {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SpectrumDescription {
     /// Black body.
-    #[serde(deny_unknown_fields)]
     Blackbody {
         /// Temperature in kelvin.
         temperature_k: Kelvin,
     },
     /// Points, joined linearly.
-    #[serde(deny_unknown_fields)]
     Table {
         /// Rising wavelengths in nm.
         wavelengths_nm: Vec<f64>,
@@ -40,7 +38,6 @@ pub enum SpectrumDescription {
         values: Vec<f64>,
     },
     /// A column of a CSV file.
-    #[serde(deny_unknown_fields)]
     Csv {
         /// Path, relative to the scene file.
         file: String,
@@ -52,7 +49,6 @@ pub enum SpectrumDescription {
         factor: f64,
     },
     /// Another spectrum times a factor.
-    #[serde(deny_unknown_fields)]
     Scaled {
         /// The other spectrum.
         spectrum: Box<SpectrumFile>,
@@ -82,7 +78,6 @@ pub enum IndexFile {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum IndexDescription {
     /// n = a + b / lambda^2.
-    #[serde(deny_unknown_fields)]
     Cauchy {
         /// Constant term.
         a: f64,
@@ -90,7 +85,6 @@ pub enum IndexDescription {
         b_um2: f64,
     },
     /// n^2 = 1 + sum of b lambda^2 / (lambda^2 - c).
-    #[serde(deny_unknown_fields)]
     Sellmeier {
         /// Coefficients b.
         b: Vec<f64>,
@@ -100,7 +94,6 @@ pub enum IndexDescription {
         range_nm: [f64; 2],
     },
     /// Index at the d line and Abbe number.
-    #[serde(deny_unknown_fields)]
     Abbe {
         /// Index at 587.56 nm.
         nd: f64,
@@ -108,7 +101,6 @@ pub enum IndexDescription {
         vd: f64,
     },
     /// Points, joined linearly; an error outside them.
-    #[serde(deny_unknown_fields)]
     Table {
         /// Rising wavelengths in nm.
         wavelengths_nm: Vec<f64>,
@@ -116,7 +108,6 @@ pub enum IndexDescription {
         n: Vec<f64>,
     },
     /// A CSV file with columns `wavelength_nm`, `n`.
-    #[serde(deny_unknown_fields)]
     Csv {
         /// Path, relative to the scene file.
         file: String,

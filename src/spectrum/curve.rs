@@ -26,6 +26,8 @@ pub enum Curve {
     Table(Table),
     /// A black body's spectral radiance in W m^-2 sr^-1 nm^-1.
     Blackbody(Kelvin),
+    /// Another curve times a factor.
+    Scaled(Box<Self>, f64),
 }
 
 /// Measured points in order of wavelength.
@@ -91,6 +93,7 @@ impl Curve {
             Self::Constant(value) => *value,
             Self::Table(table) => table.at(nm),
             Self::Blackbody(temperature) => planck_w_m2_sr_m(Nanometers(nm), *temperature) * 1e-9,
+            Self::Scaled(curve, factor) => curve.at(nm) * factor,
         }
     }
 
@@ -105,7 +108,8 @@ impl Curve {
                 let largest = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
                 logarithms.iter().map(|ln| (ln - largest).exp()).collect()
             }
-            _ => wavelengths_nm.map(|nm| self.at(nm)).collect(),
+            Self::Scaled(curve, factor) => curve.shape(wavelengths_nm).iter().map(|v| v * factor).collect(),
+            Self::Constant(_) | Self::Table(_) => wavelengths_nm.map(|nm| self.at(nm)).collect(),
         }
     }
 
@@ -118,6 +122,20 @@ impl Curve {
                 .iter()
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v))),
             Self::Blackbody(temperature) => (0.0, self.at(peak_nm(*temperature))),
+            Self::Scaled(curve, factor) => {
+                let (low, high) = curve.extremes();
+                ((low * factor).min(high * factor), (low * factor).max(high * factor))
+            }
+        }
+    }
+
+    /// First and last wavelength of the measured points; `None` for a curve that is known
+    /// everywhere.
+    pub fn range_nm(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Constant(_) | Self::Blackbody(_) => None,
+            Self::Table(table) => Some(table.range_nm()),
+            Self::Scaled(curve, _) => curve.range_nm(),
         }
     }
 
@@ -135,6 +153,7 @@ impl Curve {
                 // The mean of a linear piece is its middle value, also next to a jump to zero.
                 knots.windows(2).map(|k| table.at(0.5 * (k[0] + k[1])) * (k[1] - k[0])).sum()
             }
+            Self::Scaled(curve, factor) => curve.integral(from_nm, to_nm) * factor,
             Self::Blackbody(_) => {
                 const STEPS: usize = 4096;
                 let (low, high) = (from_nm.ln(), to_nm.ln());
@@ -153,6 +172,7 @@ impl Curve {
     pub fn integral_over_all(&self) -> Option<f64> {
         match self {
             Self::Constant(_) => None,
+            Self::Scaled(curve, factor) => Some(curve.integral_over_all()? * factor),
             Self::Table(table) => {
                 let (first, last) = table.range_nm();
                 Some(self.integral(first, last))

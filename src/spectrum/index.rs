@@ -26,7 +26,8 @@ pub enum RefractiveIndex {
     Sellmeier {
         /// Pairs (b, c in um^2).
         terms: Vec<[f64; 2]>,
-        /// Wavelengths for which the coefficients were fitted.
+        /// Wavelengths for which the coefficients were fitted; beyond them the formula is
+        /// followed as long as it gives an index at all.
         range_nm: (f64, f64),
     },
     /// Measured points; an error outside them.
@@ -60,8 +61,7 @@ impl RefractiveIndex {
         let n = match self {
             Self::Constant(n) => *n,
             Self::Cauchy { a, b_um2 } => a + b_um2 / um2,
-            Self::Sellmeier { terms, range_nm } => {
-                check_range(nm, *range_nm)?;
+            Self::Sellmeier { terms, .. } => {
                 let squared: f64 = 1.0 + terms.iter().map(|[b, c]| b * um2 / (um2 - c)).sum::<f64>();
                 // Next to a pole the square is huge, infinite or negative.
                 if squared > 0.0 { squared.sqrt() } else { f64::NAN }
@@ -77,6 +77,14 @@ impl RefractiveIndex {
         Err(Error::new(format!("the refractive index at {nm} nm is {n}")).hint(format!(
             "an index lies above 0 and up to {LARGEST}; check the coefficients and their units"
         )))
+    }
+
+    /// The wavelengths for which a formula's coefficients were fitted, where they are known.
+    pub const fn fitted_range_nm(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Sellmeier { range_nm, .. } => Some(*range_nm),
+            _ => None,
+        }
     }
 
     /// Abbe number (nd - 1) / (nF - nC); infinite without dispersion.

@@ -21,6 +21,11 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// The file's text.
+    pub const fn text(&self) -> &'static str {
+        self.text
+    }
+
     /// The parsed table.
     pub fn table(&self) -> CsvTable {
         CsvTable::parse(self.text).expect("the test below reads every built-in table")

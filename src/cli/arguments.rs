@@ -1,0 +1,74 @@
+//! Arguments that several subcommands share.
+
+use clap::Args;
+use etalon::error::Error;
+use etalon::integrator::{Budget, Integrator};
+use etalon::scene::View;
+use std::time::Duration;
+
+/// How much to render, and with what.
+#[derive(Clone, Debug, Args)]
+pub struct Effort {
+    /// Samples per pixel
+    #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    pub spp: Option<u64>,
+    /// Render for about this many seconds
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub time: Option<Duration>,
+    /// Seed of the random numbers; the same seed gives the same bits on any number of threads
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Threads; all processors if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Size of the picture instead of the scene's, as WIDTHxHEIGHT
+    #[arg(long, value_name = "WxH", value_parser = resolution)]
+    pub resolution: Option<[u32; 2]>,
+    /// Algorithm: path
+    #[arg(long, value_name = "NAME", default_value = "path", value_parser = integrator)]
+    pub integrator: Integrator,
+}
+
+impl Effort {
+    /// When to stop; `default_spp` where neither samples nor time are given.
+    pub fn budget(&self, default_spp: u64) -> Budget {
+        let samples_per_pixel = match (self.spp, self.time) {
+            (Some(spp), _) => spp,
+            (None, Some(_)) => u64::MAX,
+            (None, None) => default_spp,
+        };
+        Budget { samples_per_pixel, time: self.time, seed: self.seed }
+    }
+
+    /// Sets the number of threads for the whole process.
+    pub fn start_threads(&self) -> anyhow::Result<()> {
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(self.threads.map_or(0, usize::from));
+        Ok(builder.build_global()?)
+    }
+
+    /// The view at the size that is asked for.
+    pub fn resize(&self, view: &View) -> View {
+        let mut view = view.clone();
+        if let Some(resolution) = self.resolution {
+            view.camera = view.camera.with_resolution(resolution);
+        }
+        view
+    }
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let value: f64 = text.parse().map_err(|_| "give a number of seconds, such as 60".to_owned())?;
+    Duration::try_from_secs_f64(value).map_err(|_| "give a positive number of seconds, such as 60".to_owned())
+}
+
+fn resolution(text: &str) -> Result<[u32; 2], String> {
+    let explain = || "give width and height as in 640x480".to_owned();
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(explain)?;
+    let side = |part: &str| part.parse::<u32>().ok().filter(|side| (1..=1 << 14).contains(side));
+    Ok([side(width).ok_or_else(explain)?, side(height).ok_or_else(explain)?])
+}
+
+fn integrator(name: &str) -> Result<Integrator, String> {
+    let known = || Integrator::ALL.iter().map(|i| i.name());
+    Integrator::named(name).ok_or_else(|| Error::unknown_name("integrator", name, known()).to_string())
+}

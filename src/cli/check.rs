@@ -1,0 +1,110 @@
+//! `etalon check`: a scene explained in numbers, without rendering.
+
+use clap::Args;
+use etalon::light::EmitterFacts;
+use etalon::light::power::EmitterShape;
+use etalon::scene::{Plan, Scene, View};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Scene file
+    scene: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    let scene = Scene::load(&arguments.scene)?;
+    super::print(explain(&scene)?.trim_end());
+    Ok(ExitCode::SUCCESS)
+}
+
+fn explain(scene: &Scene) -> Result<String, std::fmt::Error> {
+    let mut text = String::new();
+    let geometry = &scene.geometry;
+    writeln!(text, "scene      {} ({})", scene.name, scene.hash)?;
+    writeln!(
+        text,
+        "geometry   {} objects, {} primitives; one unit is {} m, positions are exact to {:.2e} m",
+        geometry.object_count(),
+        geometry.primitive_count(),
+        geometry.metres_per_unit(),
+        geometry.spacing_metres()
+    )?;
+    for emitter in &scene.emitters {
+        lamp(&mut text, emitter)?;
+    }
+    if scene.emitters.is_empty() {
+        writeln!(text, "lights     none: everything is black")?;
+    }
+    if let Some(view) = &scene.view {
+        camera(&mut text, view)?;
+    }
+    if !scene.meters.is_empty() {
+        writeln!(text, "meters     {}", scene.meters.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", "))?;
+    }
+    if let Some(view) = &scene.view {
+        for reason in Plan::of(scene, &view.sensor).reasons {
+            writeln!(text, "plan       {reason}")?;
+        }
+    }
+    for note in &scene.notes {
+        writeln!(text, "note       {note}")?;
+    }
+    Ok(text)
+}
+
+fn lamp(text: &mut String, lamp: &EmitterFacts) -> std::fmt::Result {
+    write!(
+        text,
+        "light      {}: {:.6} lm, {:.6} W (360-830 nm)",
+        lamp.name, lamp.luminous_flux.0, lamp.radiant_flux.0
+    )?;
+    if let EmitterShape::Surface { area_m2, .. } = lamp.shape {
+        write!(text, ", {:.6} m2", area_m2)?;
+    }
+    if let Some(luminance) = lamp.luminance {
+        write!(text, ", {:.6} cd/m2", luminance.0)?;
+    }
+    if let Some(intensity) = lamp.intensity {
+        write!(text, ", {:.6} cd", intensity.0)?;
+    }
+    if let Some([x, y]) = lamp.chromaticity {
+        write!(text, ", xy ({x:.5}, {y:.5})")?;
+    }
+    match lamp.colour_temperature {
+        Some(cct) => writeln!(text, ", CCT {:.0} K (Duv {:+.4})", cct.kelvin.0, cct.duv),
+        None => writeln!(text, ", no CCT (too far from the Planckian locus)"),
+    }
+}
+
+fn camera(text: &mut String, view: &View) -> std::fmt::Result {
+    let facts = view.facts();
+    let exposure = &view.exposure;
+    let [width, height] = view.camera.resolution();
+    writeln!(
+        text,
+        "camera     {width} x {height} pixels, {:.2} x {:.2} deg, {} mm, {}",
+        facts.field_of_view_deg[0],
+        facts.field_of_view_deg[1],
+        view.focal_length_mm,
+        if view.camera.has_aperture() { "thin lens" } else { "pinhole" }
+    )?;
+    writeln!(
+        text,
+        "exposure   ISO {}, {} s, f/{}, q {}: EV100 {:.3}, saturation at {:.6} cd/m2, white at {:.6} cd/m2 ({:?} anchor)",
+        exposure.iso.0,
+        exposure.shutter.0,
+        exposure.f_stop.0,
+        exposure.q,
+        facts.ev100,
+        facts.saturation_luminance_cd_m2,
+        facts.white_luminance_cd_m2,
+        exposure.anchor
+    )?;
+    for (channel, coverage) in view.sensor.channels.iter().skip(3).zip(&view.sensor.coverage) {
+        writeln!(text, "sensor     {} {}: {:.2} % of its response lies within 360-830 nm", view.sensor.name, channel.name, 100.0 * coverage)?;
+    }
+    Ok(())
+}

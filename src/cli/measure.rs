@@ -1,0 +1,95 @@
+//! `etalon measure`: what the scene's instruments read.
+
+use clap::Args;
+use etalon::error::Error;
+use etalon::integrator::{Reading, read_meters};
+use etalon::scene::Scene;
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Scene file with meters
+    scene: PathBuf,
+    /// Paths per meter
+    #[arg(long, value_name = "N", default_value_t = 1 << 18, value_parser = clap::value_parser!(u64).range(1..=1 << 28))]
+    samples: u64,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Threads; all processors if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    let threads = arguments.threads.map_or(0, usize::from);
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    let scene = Scene::load(&arguments.scene)?;
+    if scene.meters.is_empty() {
+        let hint = "add for example \"meters\": [{\"illuminance\": {\"name\": \"desk\", \"position\": [0, 0, 0], \"normal\": [0, 0, 1]}}]";
+        return Err(Error::new("the scene has no meters").hint(hint).in_file(&arguments.scene).into());
+    }
+    let readings = read_meters(&scene, arguments.samples, arguments.seed);
+    if arguments.json {
+        super::print(&serde_json::to_string_pretty(&as_json(&scene, arguments, &readings))?);
+    } else {
+        readings.iter().for_each(|reading| super::print(&as_text(reading)));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Photometric and radiant unit of a reading.
+fn units(reading: &Reading) -> [&'static str; 2] {
+    if reading.is_illuminance { ["lx", "W/m2"] } else { ["cd/m2", "W/(sr m2)"] }
+}
+
+fn as_text(reading: &Reading) -> String {
+    let [photometric, radiant] = units(reading);
+    let warning = match reading.non_finite_samples {
+        0 => String::new(),
+        count => format!("   ({count} samples were not finite and count as zero)"),
+    };
+    format!(
+        "{:<20} {:>12.6} +- {:.6} {photometric}   {:>12.6} +- {:.6} {radiant} (360-830 nm)   95 %{warning}",
+        reading.name,
+        reading.photometric.mean,
+        reading.photometric.half_width_95(),
+        reading.radiant.mean,
+        reading.radiant.half_width_95(),
+    )
+}
+
+fn as_json(scene: &Scene, arguments: &Arguments, readings: &[Reading]) -> serde_json::Value {
+    let meters: Vec<_> = readings
+        .iter()
+        .map(|reading| {
+            let [photometric, radiant] = units(reading);
+            json!({
+                "name": reading.name,
+                "kind": if reading.is_illuminance { "illuminance" } else { "luminance" },
+                "unit": photometric,
+                "value": reading.photometric.mean,
+                "half_width_95": reading.photometric.half_width_95(),
+                "radiant_unit": radiant,
+                "radiant_band_nm": [360, 830],
+                "radiant_value": reading.radiant.mean,
+                "radiant_half_width_95": reading.radiant.half_width_95(),
+                "xyz": reading.xyz,
+                "non_finite_samples": reading.non_finite_samples,
+            })
+        })
+        .collect();
+    json!({
+        "scene": scene.name,
+        "scene_hash": scene.hash,
+        "samples": arguments.samples,
+        "seed": arguments.seed,
+        "version": env!("CARGO_PKG_VERSION"),
+        "meters": meters,
+    })
+}

@@ -1,0 +1,57 @@
+//! Subcommands, one file each: arguments as typed, then as meant.
+
+mod arguments;
+mod check;
+mod measure;
+mod progress;
+mod render;
+mod schema;
+mod spectra;
+mod validate;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Spectral, physically based rendering for measured validation.
+#[derive(Debug, Parser)]
+#[command(name = "etalon", version, about)]
+struct Typed {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene to an EXR in absolute units, and develop it as a camera would
+    Render(render::Arguments),
+    /// Explain a scene without rendering: every quantity in SI and photometric units
+    Check(check::Arguments),
+    /// Read a scene's illuminance and luminance meters
+    Measure(measure::Arguments),
+    /// Print the JSON Schema of the scene format
+    Schema,
+    /// List the built-in spectra, or describe and draw one
+    Spectra(spectra::Arguments),
+    /// Render a reference scene and score it against its photograph, or against a peer
+    Validate(validate::Arguments),
+}
+
+/// Runs what the command line asks for.
+pub fn run() -> anyhow::Result<ExitCode> {
+    match Typed::parse().command {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Measure(arguments) => measure::run(&arguments),
+        Command::Schema => schema::run(),
+        Command::Spectra(arguments) => spectra::run(&arguments),
+        Command::Validate(arguments) => validate::run(&arguments),
+    }
+}
+
+/// Prints a line to standard output; a reader that has gone away ends the program quietly.
+fn print(line: &str) {
+    use std::io::Write as _;
+    if writeln!(std::io::stdout(), "{line}").is_err() {
+        std::process::exit(0);
+    }
+}

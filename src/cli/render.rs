@@ -1,0 +1,87 @@
+//! `etalon render`: a scene to an EXR in absolute units and, if asked, a developed picture.
+
+use super::arguments::Effort;
+use super::progress::Bar;
+use clap::Args;
+use etalon::camera::Development;
+use etalon::image::{Facts, Layers, write_developed, write_exr};
+use etalon::integrator::{Rendering, render};
+use etalon::scene::{Plan, Scene, View};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Samples per pixel where nothing is said.
+const DEFAULT_SPP: u64 = 64;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Scene file
+    scene: PathBuf,
+    /// EXR to write: X, Y, Z in cd/m2 with standard errors, and all facts
+    #[arg(short, long, value_name = "OUT.exr")]
+    output: PathBuf,
+    /// Developed picture to write as well, PNG (8 bits) or TIFF (16 bits)
+    #[arg(long, value_name = "OUT.png")]
+    png: Option<PathBuf>,
+    #[command(flatten)]
+    effort: Effort,
+    /// Add linear sRGB channels R, G, B in cd/m2 to the EXR
+    #[arg(long)]
+    linear_srgb: bool,
+    /// Add this many spectral layers over 360 to 830 nm to the EXR
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=470))]
+    spectral_layers: Option<u16>,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    arguments.effort.start_threads()?;
+    let scene = Scene::load(&arguments.scene)?;
+    let mut view = arguments.effort.resize(scene.view().map_err(|e| e.in_file(&arguments.scene))?);
+    if let Some(count) = arguments.spectral_layers {
+        view.sensor = view.sensor.with_spectral_layers(usize::from(count));
+    }
+    let layers = Layers { linear_srgb: arguments.linear_srgb };
+    let facts = render_to_files(
+        &scene,
+        &view,
+        &arguments.effort,
+        DEFAULT_SPP,
+        layers,
+        &arguments.output,
+        arguments.png.as_deref(),
+    )?;
+    let error = facts.relative_error.map_or_else(String::new, |e| format!(", relative error {:.2} %", 100.0 * e));
+    println!(
+        "{}: {} samples per pixel in {:.1} s{error}",
+        arguments.output.display(),
+        facts.samples_per_pixel,
+        facts.seconds
+    );
+    if facts.non_finite_samples > 0 {
+        eprintln!("warning: {} samples were not finite and count as zero", facts.non_finite_samples);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Renders a view and writes the files; the facts that went into them come back.
+pub fn render_to_files(
+    scene: &Scene,
+    view: &View,
+    effort: &Effort,
+    default_spp: u64,
+    layers: Layers,
+    exr: &Path,
+    png: Option<&Path>,
+) -> anyhow::Result<Facts> {
+    let plan = Plan::of(scene, &view.sensor);
+    let budget = effort.budget(default_spp);
+    let bar = Bar::new();
+    let Rendering { film, elapsed } = render(effort.integrator, scene, view, &plan, &budget, &bar);
+    bar.finish();
+    let facts = Facts::of(scene, view, &plan, effort.integrator, &budget, &film, elapsed);
+    write_exr(exr, &film, &view.sensor, &facts, layers)?;
+    if let Some(png) = png {
+        write_developed(png, &film, &Development::new(&view.exposure, view.white))?;
+    }
+    Ok(facts)
+}

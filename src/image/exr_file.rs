@@ -1,0 +1,87 @@
+//! OpenEXR with 32-bit floats: absolute tristimulus values, their errors, further channels.
+
+use super::facts::Facts;
+use super::write_whole;
+use crate::camera::{Film, Sensor};
+use crate::error::Result;
+use crate::spectrum::colour::xyz_to_linear_srgb;
+use exr::prelude::*;
+use std::path::Path;
+
+/// Which channels a file gets beside the film's own.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Layers {
+    /// Linear sRGB in cd/m2 (`R`, `G`, `B`), for viewers that know nothing else.
+    pub linear_srgb: bool,
+}
+
+/// The facts stand in an attribute of this name, as JSON.
+pub const FACTS_ATTRIBUTE: &str = "etalon";
+
+/// Writes a film: `X`, `Y`, `Z` in cd/m2 and `stderr.*` with their standard errors, then the
+/// sensor's further channels.
+pub fn write_exr(path: &Path, film: &Film, sensor: &Sensor, facts: &Facts, layers: Layers) -> Result<()> {
+    let resolution = film.resolution().map(|side| side as usize);
+    let mut channels: Vec<AnyChannel<FlatSamples>> = Vec::new();
+    let mut add = |name: String, value_of_pixel: &dyn Fn(usize) -> f64| {
+        let values: Vec<f32> = (0..film.pixels()).map(|pixel| value_of_pixel(pixel) as f32).collect();
+        channels.push(AnyChannel::new(Text::new_or_panic(&name), FlatSamples::F32(values)));
+    };
+    for (index, channel) in sensor.channels.iter().enumerate() {
+        add(channel.name.clone(), &|pixel| film.mean(pixel, index));
+        if index < XYZ.len() {
+            add(format!("stderr.{}", XYZ[index]), &|pixel| film.standard_error(pixel, index));
+        }
+    }
+    if layers.linear_srgb {
+        for (index, name) in ["R", "G", "B"].iter().enumerate() {
+            let value = |pixel| xyz_to_linear_srgb([0, 1, 2].map(|c| film.mean(pixel, c)))[index];
+            add((*name).to_owned(), &value);
+        }
+    }
+    let mut layer = Layer::new(
+        (resolution[0], resolution[1]),
+        attributes(facts, sensor),
+        Encoding { compression: Compression::ZIP16, ..Encoding::default() },
+        AnyChannels::sort(channels.into_iter().collect()),
+    );
+    layer.attributes.exposure = Some(facts.camera.shutter_s as f32);
+    let mut image = Image::from_layer(layer);
+    // X, Y, Z are their own primaries, with equal energy white (OpenEXR's advice for CIE XYZ).
+    if !layers.linear_srgb {
+        image.attributes.chromaticities = Some(attribute::Chromaticities {
+            red: Vec2(1.0, 0.0),
+            green: Vec2(0.0, 1.0),
+            blue: Vec2(0.0, 0.0),
+            white: Vec2(1.0 / 3.0, 1.0 / 3.0),
+        });
+    }
+    write_whole(path, |temporary| image.write().to_file(temporary).map_err(|e| e.to_string()))
+}
+
+const XYZ: [&str; 3] = ["X", "Y", "Z"];
+
+fn attributes(facts: &Facts, sensor: &Sensor) -> LayerAttributes {
+    let text = |value: &str| Text::new_or_none(value);
+    let mut attributes = LayerAttributes {
+        software_name: text(&format!("etalon {}", facts.version)),
+        comments: text(&facts.scene),
+        // One unit of a channel is one cd/m2.
+        white_luminance: Some(1.0),
+        aperture: Some(facts.camera.f_stop as f32),
+        iso_speed: Some(facts.camera.iso as f32),
+        ..LayerAttributes::default()
+    };
+    let json = serde_json::to_string(facts).expect("the facts are plain data");
+    let mut other = |name: &str, value: AttributeValue| {
+        attributes.other.insert(Text::new_or_panic(name), value);
+    };
+    other(FACTS_ATTRIBUTE, AttributeValue::Text(Text::from(json.as_str())));
+    // A standard attribute by name, in mm, that the library keeps among the others.
+    other("focalLength", AttributeValue::F32(facts.camera.focal_length_mm as f32));
+    if sensor.channels.iter().any(|channel| channel.name.starts_with("S0.")) {
+        other("spectralLayoutVersion", AttributeValue::Text(Text::from("1.0")));
+        other("emissiveUnits", AttributeValue::Text(Text::from("W.m^-2.sr^-1.nm^-1")));
+    }
+    attributes
+}

@@ -1,0 +1,121 @@
+//! What a picture file says about itself, as one JSON text beside the standard attributes.
+
+use crate::camera::Film;
+use crate::integrator::{Budget, Integrator};
+use crate::scene::{Plan, Scene, View};
+use serde::Serialize;
+use std::time::Duration;
+
+/// The facts of a render.
+#[derive(Clone, Debug, Serialize)]
+pub struct Facts {
+    /// Version of the program.
+    pub version: &'static str,
+    /// Name of the scene.
+    pub scene: String,
+    /// Hash of the scene and of the files that it names.
+    pub scene_hash: String,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Samples in every pixel.
+    pub samples_per_pixel: u64,
+    /// Wall-clock seconds of rendering.
+    pub seconds: f64,
+    /// Processor seconds of the whole process so far, where the system tells.
+    pub cpu_seconds: Option<f64>,
+    /// Algorithm.
+    pub integrator: &'static str,
+    /// Units of the channels.
+    pub units: &'static str,
+    /// Exposure and optics.
+    pub camera: CameraRecord,
+    /// What was planned, in plain words.
+    pub plan: Vec<String>,
+    /// Remarks on the scene's data.
+    pub notes: Vec<String>,
+    /// Estimated relative error of the luminance picture; `None` from a single block.
+    pub relative_error: Option<f64>,
+    /// Samples that were not finite; they count as zero.
+    pub non_finite_samples: u64,
+}
+
+/// A camera's settings.
+#[derive(Clone, Debug, Serialize)]
+pub struct CameraRecord {
+    /// Exposure index.
+    pub iso: f64,
+    /// Exposure time in seconds.
+    pub shutter_s: f64,
+    /// f-number.
+    pub f_stop: f64,
+    /// Lens constant q.
+    pub exposure_constant_q: f64,
+    /// Luminance that saturates.
+    pub saturation_luminance_cd_m2: f64,
+    /// Luminance that is developed to display white.
+    pub white_luminance_cd_m2: f64,
+    /// Speed point of ISO 12232.
+    pub anchor: String,
+    /// Exposure value at ISO 100.
+    pub ev100: f64,
+    /// Focal length in mm.
+    pub focal_length_mm: f64,
+    /// Sensor that the extra channels belong to.
+    pub sensor: String,
+    /// Tristimulus values of the light that is developed white; `None` adapts nothing.
+    pub white_xyz: Option<[f64; 3]>,
+}
+
+impl Facts {
+    /// Gathers the facts of a finished render.
+    pub fn of(
+        scene: &Scene,
+        view: &View,
+        plan: &Plan,
+        integrator: Integrator,
+        budget: &Budget,
+        film: &Film,
+        elapsed: Duration,
+    ) -> Self {
+        let exposure = &view.exposure;
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: scene.name.clone(),
+            scene_hash: scene.hash.clone(),
+            seed: budget.seed,
+            samples_per_pixel: film.samples_per_pixel(),
+            seconds: elapsed.as_secs_f64(),
+            cpu_seconds: cpu_seconds(),
+            integrator: integrator.name(),
+            units: "X, Y, Z in cd/m2 (Y is luminance); stderr.* their standard errors; sensor.* in W sr^-1 m^-2 weighted with the sensitivity; S0.* in W sr^-1 m^-2 nm^-1",
+            camera: CameraRecord {
+                iso: exposure.iso.0,
+                shutter_s: exposure.shutter.0,
+                f_stop: exposure.f_stop.0,
+                exposure_constant_q: exposure.q,
+                saturation_luminance_cd_m2: exposure.saturation_luminance().0,
+                white_luminance_cd_m2: exposure.white_luminance().0,
+                anchor: format!("{:?}", exposure.anchor).to_lowercase(),
+                ev100: exposure.ev100(),
+                focal_length_mm: view.focal_length_mm,
+                sensor: view.sensor.name.clone(),
+                white_xyz: view.white,
+            },
+            plan: plan.reasons.clone(),
+            notes: scene.notes.clone(),
+            relative_error: film.relative_error(),
+            non_finite_samples: film.non_finite_samples,
+        }
+    }
+}
+
+/// Processor time of this process in seconds, user and system, from Linux's `/proc`.
+fn cpu_seconds() -> Option<f64> {
+    /// Clock ticks per second that Linux reports to programs on every architecture.
+    const TICKS_PER_SECOND: f64 = 100.0;
+    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The command name in parentheses may hold spaces; fields are counted after it.
+    let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
+    let ticks = |index: usize| fields.get(index)?.parse::<f64>().ok();
+    Some((ticks(11)? + ticks(12)?) / TICKS_PER_SECOND)
+}

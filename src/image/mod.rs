@@ -1,0 +1,29 @@
+//! Pictures on disk: absolute values with their facts, and developed pictures.
+//!
+//! Files are written under a temporary name and renamed when whole, so that an interrupted
+//! or failed write leaves what was there before.
+
+mod developed;
+mod exr_file;
+mod facts;
+
+pub use developed::write_developed;
+pub use exr_file::{Layers, write_exr};
+pub use facts::{CameraRecord, Facts};
+
+use crate::error::{Error, Result};
+use std::path::Path;
+
+/// Writes through a temporary file beside `path`, renamed into place on success.
+fn write_whole(path: &Path, write: impl FnOnce(&Path) -> std::result::Result<(), String>) -> Result<()> {
+    let name = path.file_name().ok_or_else(|| Error::new("the output path names no file").in_file(path))?;
+    let temporary = path.with_file_name(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
+    let written = write(&temporary).and_then(|()| std::fs::rename(&temporary, path).map_err(|e| e.to_string()));
+    written.map_err(|reason| {
+        // Nothing more can be done about a leftover that cannot be removed either.
+        let _ = std::fs::remove_file(&temporary);
+        Error::new(format!("cannot write the picture: {reason}"))
+            .hint("check that the folder exists and has room")
+            .in_file(path)
+    })
+}

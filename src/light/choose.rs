@@ -1,0 +1,59 @@
+//! Which light is asked: each in proportion to its power as the sensors see it.
+
+use super::Light;
+
+/// All lights of a scene, and the probability of asking each.
+#[derive(Clone, Debug, Default)]
+pub struct Lights {
+    lights: Vec<Light>,
+    /// Share of power up to and including each light.
+    upto: Vec<f32>,
+}
+
+impl Lights {
+    /// Lights with their powers; those without power are never asked.
+    pub fn new(lights: Vec<(Light, f64)>) -> Self {
+        let total: f64 = lights.iter().map(|(_, power)| power).sum();
+        let mut sum = 0.0;
+        let mut list = Self::default();
+        for (light, power) in lights {
+            sum += power;
+            list.lights.push(light);
+            list.upto.push(if total > 0.0 { (sum / total) as f32 } else { 0.0 });
+        }
+        list
+    }
+
+    /// The light of an index, as objects name theirs.
+    #[inline]
+    pub fn get(&self, index: u32) -> &Light {
+        &self.lights[index as usize]
+    }
+
+    /// Number of lights.
+    pub fn len(&self) -> usize {
+        self.lights.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.lights.is_empty()
+    }
+
+    /// Picks a light by a number in [0, 1); with it the probability of that choice. `None`
+    /// where nothing shines.
+    #[inline]
+    pub fn choose(&self, u: f32) -> Option<(&Light, f32)> {
+        let index = self.upto.partition_point(|upto| *upto <= u);
+        let index = index.min(self.lights.len().checked_sub(1)?);
+        let probability = self.probability(index as u32);
+        (probability > 0.0).then(|| (&self.lights[index], probability))
+    }
+
+    /// Probability that `choose` picks the light of an index.
+    #[inline]
+    pub fn probability(&self, index: u32) -> f32 {
+        let index = index as usize;
+        self.upto[index] - if index == 0 { 0.0 } else { self.upto[index - 1] }
+    }
+}

@@ -1,0 +1,5 @@
+//! Means with error bars.
+
+mod batches;
+
+pub use batches::{BATCHES, BatchMean};

@@ -1,0 +1,7 @@
+"""`python -m etalon_validation`."""
+
+import sys
+
+from .cli import main
+
+sys.exit(main())

@@ -1,0 +1,122 @@
+"""The command line: arguments to work, and every failure to one line on stderr."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from .errors import InputError
+
+# Exit code when an input file or an argument is wrong.
+WRONG_INPUT = 2
+
+
+def parser():
+    """All subcommands and their arguments."""
+    top = argparse.ArgumentParser(prog="etalon_validation", description="Compares an Etalon render with measured references.")
+    commands = top.add_subparsers(dest="command", required=True)
+
+    score = commands.add_parser("score", help="score a render against a photograph or its region table")
+    score.add_argument("--case", type=Path, required=True, help="case folder with regions.json")
+    score.add_argument("--render", type=Path, required=True, help="EXR written by etalon")
+    score.add_argument("--photo", type=Path, help="the photograph; without it the region table stands in")
+    score.add_argument("-o", "--output", type=Path, required=True, help="folder for report.json and report.html")
+    score.set_defaults(run=run_score)
+
+    measure = commands.add_parser("measure-regions", help="measure the region table on a photograph")
+    measure.add_argument("--case", type=Path, required=True, help="case folder with layout.json")
+    measure.add_argument("--photo", type=Path, required=True)
+    measure.add_argument("--overlay", type=Path, help="also draw the regions over the photograph, to be looked at")
+    measure.set_defaults(run=run_measure)
+
+    pose = commands.add_parser("fit-pose", help="fit the photograph's camera to points.csv and write pose.json")
+    pose.add_argument("--case", type=Path, required=True, help="case folder with points.csv and layout.json")
+    pose.set_defaults(run=run_pose)
+
+    peers = commands.add_parser("peers", help="compare an all-diffuse render with Mitsuba 3 in absolute XYZ")
+    peers.add_argument("--case", type=Path, default=Path("reference/cornell"), help="case folder with scene.json")
+    peers.add_argument("--spectra", type=Path, default=Path("spectra"), help="folder of spectral tables")
+    peers.add_argument("--render", type=Path, required=True)
+    peers.add_argument("-o", "--output", type=Path, required=True)
+    peers.add_argument("--spp", type=int, default=256, help="samples per pixel of the peer")
+    peers.set_defaults(run=run_peers)
+    return top
+
+
+def main(arguments=None):
+    """Runs one subcommand and returns the exit code."""
+    chosen = parser().parse_args(arguments)
+    try:
+        chosen.run(chosen)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except OSError as error:
+        print(f"error: {error.filename}: {error.strerror}; check the path and its permissions", file=sys.stderr)
+        return WRONG_INPUT
+    return 0
+
+
+def run_score(chosen):
+    """report.json, report.html and one printed line per level."""
+    from .photograph import read_photograph
+    from .regions import read_table
+    from .reference import choose_reference
+    from .registration import registration, registration_warning
+    from .render import read_render
+    from .report import write_report
+    from .score import score
+
+    table = read_table(chosen.case / "regions.json")
+    render = read_render(chosen.render)
+    photograph = read_photograph(chosen.photo) if chosen.photo else None
+    regions, reference = choose_reference(table, photograph)
+    reference["registration"] = registration(chosen.case)
+    reference["warnings"] += filter(None, [registration_warning(reference["registration"])])
+    for warning in reference["warnings"]:
+        print(f"warning: {warning}", file=sys.stderr)
+    report, both, levels = score(table, regions, render, reference)
+    chosen.output.mkdir(parents=True, exist_ok=True)
+    write_report(chosen.output, report, table, regions, render, photograph, both, levels)
+    for name, level in report["levels"].items():
+        figures = level["overall"]
+        print(f"{name} du'v' {show(figures['mean_duv'], 4)}  rms {show(figures['rms_stops'], 3)} stops  dE2000 {show(figures['mean_delta_e_2000'], 2)}")
+
+
+def show(value, digits):
+    """A number for the terminal; a dash where there is none."""
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def run_measure(chosen):
+    """regions.json beside the layout."""
+    from .layout import Layout
+    from .photograph import read_photograph
+    from .regions import measure_layout, write_table
+
+    layout = Layout(chosen.case / "layout.json")
+    photograph = read_photograph(chosen.photo)
+    regions = measure_layout(layout, photograph)
+    write_table(chosen.case / "regions.json", layout, photograph, regions)
+    if chosen.overlay:
+        from .overlay import write_overlay
+
+        write_overlay(chosen.overlay, photograph, regions)
+    print(f"{chosen.case / 'regions.json'}: {len(regions)} regions, {sum(region.dark for region in regions)} at the black level")
+
+
+def run_pose(chosen):
+    """pose.json beside the points, and the fit in words."""
+    from .pose import describe_fit, fit_case
+
+    result = fit_case(chosen.case)
+    (chosen.case / "pose.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    print(describe_fit(result))
+
+
+def run_peers(chosen):
+    """peers.json and a verdict."""
+    from .peers import compare_with_mitsuba
+
+    verdict = compare_with_mitsuba(chosen.case, chosen.spectra, chosen.render, chosen.output, chosen.spp)
+    print(verdict)

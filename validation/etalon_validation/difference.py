@@ -1,0 +1,49 @@
+"""Colour differences between two mean XYZ values (Y = 1 is display white)."""
+
+import warnings
+
+import numpy as np
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    import colour
+
+# Linear sRGB to XYZ with white D65 at Y = 1 (IEC 61966-2-1).
+SRGB_TO_XYZ = np.array([
+    [0.4123907993, 0.3575843394, 0.1804807884],
+    [0.2126390059, 0.7151686788, 0.0721923154],
+    [0.0193308187, 0.1191947798, 0.9505321522],
+])
+XYZ_TO_SRGB = np.linalg.inv(SRGB_TO_XYZ)
+# Luminance of white, with room for rounding.
+WHITE_Y = 1 + 1e-6
+# The white that CIELAB is relative to.
+WHITE_XYZ = SRGB_TO_XYZ.sum(axis=1)
+WHITE_XY = WHITE_XYZ[:2] / WHITE_XYZ.sum()
+
+
+def chromaticity(xyz):
+    """CIE 1976 u', v' (..., 2); NaN where the denominator is not positive."""
+    xyz = np.asarray(xyz, float)
+    denominator = xyz @ np.array([1.0, 15.0, 3.0])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        uv = np.stack([4 * xyz[..., 0], 9 * xyz[..., 1]], axis=-1) / denominator[..., None]
+    return np.where(denominator[..., None] > 1e-9, uv, np.nan)
+
+
+def duv(first, second):
+    """Distance in the u'v' diagram."""
+    return np.linalg.norm(chromaticity(first) - chromaticity(second), axis=-1)
+
+
+def delta_e_lab(first, second):
+    """CIEDE2000 between two CIELAB colours."""
+    return colour.delta_E(np.asarray(first, float), np.asarray(second, float), method="CIE 2000")
+
+
+def delta_e_2000(first, second):
+    """CIEDE2000 under D65; NaN where a luminance is above white or not positive, where it is undefined."""
+    first, second = np.asarray(first, float), np.asarray(second, float)
+    defined = (first[..., 1] > 0) & (second[..., 1] > 0) & (first[..., 1] <= WHITE_Y) & (second[..., 1] <= WHITE_Y)
+    lab = [colour.XYZ_to_Lab(np.maximum(xyz, 0), WHITE_XY) for xyz in (first, second)]
+    return np.where(defined, delta_e_lab(*lab), np.nan)

@@ -1,0 +1,86 @@
+"""Reads a render: absolute XYZ, its standard error, and the record of how it was made."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+
+from .errors import InputError, need
+from .photograph import first_line, sha256_of
+
+REMEDY = "give an EXR written by etalon"
+
+
+@dataclass(frozen=True)
+class Render:
+    """XYZ with Y in cd/m2, standard errors on the same scale, and the `etalon` attribute."""
+
+    xyz: np.ndarray
+    stderr: np.ndarray
+    sensor: np.ndarray | None
+    record: dict
+    file: str
+    sha256: str
+
+    @property
+    def size(self):
+        """(width, height) in pixels."""
+        return self.xyz.shape[1], self.xyz.shape[0]
+
+    @property
+    def saturation(self):
+        """The luminance that the camera records as 1, cd/m2."""
+        return float(self.record["camera"]["saturation_luminance_cd_m2"])
+
+
+def read_render(path):
+    """The render in `path`; an `InputError` when channels or record are not those of a render."""
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(path, "no such render", REMEDY)
+    image = oiio.ImageInput.open(str(path))
+    if image is None:
+        raise InputError(path, f"cannot be decoded ({first_line(oiio.geterror())})", REMEDY)
+    spec = image.spec()
+    names = list(spec.channelnames)
+    pixels = image.read_image(0, spec.nchannels, "float")
+    image.close()
+    if pixels is None:
+        raise InputError(path, "is cut short", "render it again")
+    pixels = np.asarray(pixels, float).reshape(spec.height, spec.width, spec.nchannels)
+
+    def take(wanted):
+        missing = [name for name in wanted if name not in names]
+        if missing:
+            raise InputError(path, f"has no channel {', '.join(missing)}", REMEDY)
+        return pixels[..., [names.index(name) for name in wanted]]
+
+    xyz, stderr = take("XYZ"), take(["stderr.X", "stderr.Y", "stderr.Z"])
+    sensor = take(["sensor.R", "sensor.G", "sensor.B"]) if "sensor.G" in names else None
+    for values in (xyz, stderr) if sensor is None else (xyz, stderr, sensor):
+        if not np.isfinite(values).all():
+            raise InputError(path, "holds values that are not finite", "render it again")
+    return Render(xyz, stderr, sensor, read_record(spec, path), path.name, sha256_of(path))
+
+
+def read_record(spec, path):
+    """The JSON in the `etalon` attribute, checked for what scoring needs."""
+    text = spec.getattribute("etalon")
+    if not isinstance(text, str):
+        raise InputError(path, 'has no "etalon" attribute', REMEDY)
+    try:
+        record = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise InputError(path, f'its "etalon" attribute is not JSON ({error.msg})', REMEDY) from None
+    camera = need(record, "camera", path)
+    saturation = need(camera, "saturation_luminance_cd_m2", path)
+    if not isinstance(record.get("plan", []), list):
+        raise InputError(path, "its plan is no list", REMEDY)
+    for key in ("seconds", "cpu_seconds"):
+        if not isinstance(record.get(key), (int, float, type(None))):
+            raise InputError(path, f"its {key} is no number", REMEDY)
+    if not isinstance(saturation, (int, float)) or not saturation > 0:
+        raise InputError(path, "camera.saturation_luminance_cd_m2 is not positive", "give the scene's camera an exposure")
+    return record
