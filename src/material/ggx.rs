@@ -6,7 +6,16 @@
 //! d'Eon 2016: a beta function, because what leaves below passes the other facets from
 //! behind).
 //!
-//! Facets scatter once.
+//! Facets scatter once, and light that would meet a second facet is lost. Percentages lost
+//! by white facets, and by glass of index 1.5 seen from outside (most of that is light
+//! refracted into another facet):
+//!
+//! | alpha | white: cos 1 | 0.5 | 0.05 | glass: cos 1 | 0.5 | 0.05 |
+//! |---|---|---|---|---|---|---|
+//! | 0.1 | 1.2 | 3.1 | 8.8 | 0.1 | 0.8 | 7.4 |
+//! | 0.2 | 5.2 | 10.5 | 6.8 | 0.5 | 2.8 | 11.8 |
+//! | 0.5 | 31.2 | 30.1 | 8.7 | 3.2 | 12.3 | 52.5 |
+//! | 1.0 | 69.3 | 54.9 | 15.2 | 10.7 | 38.8 | 87.9 |
 
 use std::f32::consts::{PI, TAU};
 
