@@ -29,7 +29,15 @@ class Pinhole:
 
     @classmethod
     def looking(cls, position, look, up, hfov_deg, size, centre_shift_px=(0.0, 0.0)):
-        """A camera from its horizontal field of view; `size` is (width, height)."""
+        """A camera from its horizontal field of view; `size` is (width, height).
+
+        `ValueError` when the numbers describe no camera.
+        """
+        vectors = [np.array(vector, float) for vector in (position, look, up)]
+        if any(vector.shape != (3,) or not np.isfinite(vector).all() for vector in vectors):
+            raise ValueError("position, look and up need three numbers each")
+        if not 0 < hfov_deg < 180 or min(size) < 1 or np.linalg.norm(np.cross(vectors[1], vectors[2])) < 1e-9:
+            raise ValueError("field of view, image size, or look along up")
         width, height = size
         focal_px = width / 2 / np.tan(np.radians(hfov_deg) / 2)
         look = unit(look)

@@ -51,6 +51,8 @@ def main(arguments=None):
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return WRONG_INPUT
+    except BrokenPipeError:
+        return 0
     except OSError as error:
         print(f"error: {error.filename}: {error.strerror}; check the path and its permissions", file=sys.stderr)
         return WRONG_INPUT

@@ -82,13 +82,13 @@ class Layout:
     def take(self, table):
         """Fills the layout from its JSON object."""
         path = self.path
-        self.photo = need(table, "photo", path)
+        self.photo = dict(need(table, "photo", path))
         self.camera = read_camera(need(table, "camera", path), self.path)
         self.faces = {
             name: Face(name, np.asarray(need(face, "quad", path), float), bool(face.get("mirror", False)))
             for name, face in need(table, "faces", path).items()
         }
-        self.keep_out = [np.asarray(polygon, float) for polygon in table.get("keep_out_px", [])]
+        self.keep_out = [np.array(polygon, float).reshape(-1, 2) for polygon in table.get("keep_out_px", [])]
         erosion = float(table.get("erode_px", 4))
         for name, face in self.faces.items():
             if face.quad.shape != (4, 3):

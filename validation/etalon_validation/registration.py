@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from .camera import Pinhole
-from .errors import meaning, read_json
+from .errors import InputError, meaning, read_json
 from .layout import REGISTRATION_PX, Layout
 
 METERS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
@@ -44,6 +44,8 @@ def registration(case):
     corners = np.unique(np.concatenate([face.quad for face in layout.faces.values()]), axis=0)
     fitted = layout.camera.project(corners)
     seen = ((fitted >= 0) & (fitted <= layout.camera.size)).all(axis=1) & ((corners - layout.camera.position) @ layout.camera.look > 0)
+    if not seen.any():
+        raise InputError(case / "pose.json", "its camera sees no corner of the box", "run fit-pose again")
     distance = np.linalg.norm(camera.project(corners[seen]) - fitted[seen], axis=1)
     return {"mean_px": round(float(distance.mean()), 2), "largest_px": round(float(distance.max()), 2), "corners": int(seen.sum()), "allowed_px": REGISTRATION_PX}
 

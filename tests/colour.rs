@@ -1,0 +1,171 @@
+//! Colours, lamps and indices against figures that colour-science computed
+//! (`tests/oracle/colour_science.py`).
+
+use etalon::spectrum::colour::{
+    CIE_1931, chromaticity_of, colour_temperature, efficacy_lm_per_w, xyz_of_grid,
+};
+use etalon::spectrum::library::{self, Purpose};
+use etalon::spectrum::{C_NM, Curve, D_NM, F_NM, grid_nm};
+use etalon::units::Kelvin;
+use serde_json::Value;
+
+fn oracle() -> Value {
+    serde_json::from_str(include_str!("oracle/colour_science.json")).expect("the oracle is JSON")
+}
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("no {key} in {value}"))
+}
+
+fn near(what: &str, value: f64, truth: f64, bound: f64) {
+    assert!((value - truth).abs() <= bound, "{what}: {value} against {truth}");
+}
+
+fn agree(what: &str, curve: &Curve, truth: &Value) {
+    let xyz = xyz_of_grid(&curve.shape(grid_nm()));
+    let [x, y] = chromaticity_of(curve).expect("a lamp shines");
+    near(&format!("{what} x"), x, number(truth, "chromaticity_x"), 1e-4);
+    near(&format!("{what} y"), y, number(truth, "chromaticity_y"), 1e-4);
+    near(&format!("{what} X/Y"), xyz[0] / xyz[1], number(truth, "tristimulus_x_over_y"), 1e-4);
+    near(&format!("{what} Z/Y"), xyz[2] / xyz[1], number(truth, "tristimulus_z_over_y"), 1e-4);
+}
+
+#[test]
+fn every_built_in_lamp_has_the_colour_that_colour_science_gives_it() {
+    let oracle = oracle();
+    let lights = oracle["lights"].as_object().expect("a map of lights");
+    let lamps: Vec<_> = library::entries().filter(|e| matches!(e.kind, "illuminant" | "emission")).collect();
+    assert_eq!(lamps.len(), lights.len());
+    for entry in lamps {
+        let truth = &lights[entry.name];
+        let curve = library::curve(&entry.table(), None, Purpose::Emission).expect("a lamp is one curve");
+        agree(entry.name, &curve, truth);
+        let efficacy = efficacy_lm_per_w(&curve).expect("a lamp shines");
+        let expected = number(truth, "luminous_efficacy_lm_per_w");
+        near(&format!("{} lm/W", entry.name), efficacy, expected, 1e-4 * expected);
+        let found = chromaticity_of(&curve).and_then(colour_temperature);
+        match (found, truth["cct_k"].as_f64()) {
+            (Some(found), Some(cct)) => near(&format!("{} CCT", entry.name), found.kelvin.0, cct, 1e-4 * cct),
+            // Beyond a distance of 0.05 from the locus there is no CCT.
+            (None, Some(_)) => assert!(number(truth, "duv").abs() > 0.05, "{}", entry.name),
+            (_, None) => {}
+        }
+    }
+}
+
+#[test]
+fn black_bodies_have_the_colour_that_colour_science_gives_them() {
+    let oracle = oracle();
+    let bodies = &oracle["blackbodies"];
+    let mut compared = 0;
+    for kelvin in (1000..=20_000).step_by(500) {
+        let truth = match bodies {
+            Value::Object(map) => map.get(&kelvin.to_string()).cloned(),
+            Value::Array(list) => list.iter().find(|b| b["temperature_k"] == kelvin).cloned(),
+            _ => None,
+        };
+        agree(&format!("{kelvin} K"), &Curve::Blackbody(Kelvin(f64::from(kelvin))), &truth.expect("in the oracle"));
+        compared += 1;
+    }
+    assert_eq!(compared, 39);
+}
+
+/// Ends where fits of the locus no longer hold; computed with arbitrary precision.
+#[test]
+fn the_planckian_locus_holds_at_its_ends() {
+    for (kelvin, x, y) in [
+        (1000.0, 0.652_751, 0.344_462),
+        (2856.0, 0.447_535, 0.407_428),
+        (6500.0, 0.313_526, 0.323_628),
+        (1e6, 0.240_134, 0.234_419),
+        (1.0, 0.734_69, 0.265_31),
+    ] {
+        let found = chromaticity_of(&Curve::Blackbody(Kelvin(kelvin))).expect("every body has a colour");
+        near(&format!("{kelvin} K x"), found[0], x, 2e-5);
+        near(&format!("{kelvin} K y"), found[1], y, 2e-5);
+    }
+}
+
+#[test]
+fn the_observer_has_the_published_sums() {
+    for (column, sum) in CIE_1931.matching.iter().zip([106.865_47, 106.856_92, 106.892_25]) {
+        near("sum", column.iter().sum(), sum, 1e-4);
+    }
+}
+
+/// A white Lambertian surface under D65 keeps D65's white point.
+#[test]
+fn d65_is_white_once() {
+    let d65 = library::curve(&library::table("d65").expect("built in"), None, Purpose::Emission).expect("a curve");
+    let [x, y, z] = xyz_of_grid(&d65.shape(grid_nm()));
+    near("X/Y", x / y, 0.950_47, 1e-4);
+    near("Z/Y", z / y, 1.088_83, 1e-4);
+}
+
+/// CIELAB 1976 of tristimulus values under a white.
+fn lab(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
+    let f = |t: f64| if t > (6.0_f64 / 29.0).powi(3) { t.cbrt() } else { t * (29.0_f64 / 6.0).powi(2) / 3.0 + 4.0 / 29.0 };
+    let [fx, fy, fz] = [0, 1, 2].map(|c| f(xyz[c] / white[c]));
+    [116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz)]
+}
+
+/// dE2000 is at most about 1 / 0.45 of the Euclidean difference (its smallest weight S_C of 1
+/// and the rotation term); a Euclidean difference of 0.004 keeps it below 0.01.
+#[test]
+fn the_cornell_patches_have_the_colours_that_colour_science_gives_them() {
+    let oracle = oracle();
+    let patches = oracle["patches_under_cornell_lamp"].as_object().expect("a map of patches").clone();
+    let lamp = library::curve(&library::table("cornell-lamp").expect("built in"), None, Purpose::Emission).expect("a curve");
+    let lamp: Vec<f64> = grid_nm().map(|nm| lamp.at(nm)).collect();
+    let white = xyz_of_grid(&lamp);
+    let scale = |xyz: [f64; 3]| xyz.map(|c| 100.0 * c / white[1]);
+    let mut compared = 0;
+    for (name, truth) in &patches {
+        let Some(expected) = truth["lab"].as_array() else { continue };
+        let curve = match library::table(name) {
+            Ok(table) => library::curve(&table, None, Purpose::Reflectance).expect("a curve"),
+            Err(_) => Curve::Constant(1.0), // the perfect diffuser
+        };
+        let reflected: Vec<f64> = grid_nm().zip(&lamp).map(|(nm, e)| curve.at(nm) * e).collect();
+        let found = lab(scale(xyz_of_grid(&reflected)), scale(white));
+        for (value, truth) in found.iter().zip(expected) {
+            near(&format!("{name} {found:?}"), *value, truth.as_f64().expect("a number"), 0.004);
+        }
+        compared += 1;
+    }
+    assert_eq!(compared, 6);
+}
+
+#[test]
+fn glasses_and_metals_have_their_published_indices() {
+    let oracle = oracle();
+    for (name, truth) in oracle["glasses"].as_object().expect("a map") {
+        let index = library::refractive_index(&library::table(name).expect("built in")).expect("an index");
+        for (key, nm) in [("n_f", F_NM), ("n_d", D_NM), ("n_c", C_NM)] {
+            // Lines to 0.01 nm here, to 0.0001 nm there.
+            near(&format!("{name} {key}"), index.at(nm).expect("in range"), number(truth, key), 2e-6);
+        }
+        near(&format!("{name} V"), index.abbe_number().expect("in range"), number(truth, "abbe_number"), 0.02);
+    }
+    for (name, truth) in oracle["metals"].as_object().expect("a map") {
+        let table = library::table(name).expect("built in");
+        for column in ["n", "k"] {
+            let curve = library::curve(&table, Some(column), Purpose::Reflectance).expect("a column");
+            for nm in [450, 550, 650] {
+                let entry = &truth[format!("n_k_at_{nm}_nm")];
+                let expected = entry[if column == "n" { 0 } else { 1 }].as_f64().expect("a number");
+                near(&format!("{name} {column} at {nm}"), curve.at(f64::from(nm)), expected, 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_oracle_names_every_glass_and_metal() {
+    let oracle = oracle();
+    for (kind, key) in [("glass", "glasses"), ("metal", "metals")] {
+        let known = library::entries().filter(|e| e.kind == kind).count();
+        assert_eq!(oracle[key].as_object().expect("a map").len(), known, "{kind}");
+    }
+}
+

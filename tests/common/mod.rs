@@ -1,0 +1,56 @@
+//! What the tests share: scenes from text, readings, and the judgement of a statistical one.
+#![allow(dead_code, reason = "each test program uses its own part")]
+
+use etalon::integrator::{Reading, read_meters};
+use etalon::scene::Scene;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Largest |z| of a passing statistical test: a false alarm once in 1.7 million.
+pub const SIGMAS: f64 = 5.0;
+
+/// A scene from its JSON; paths in it are relative to the project's root.
+pub fn scene(json: &Value) -> Scene {
+    Scene::from_text(&json.to_string(), Path::new(env!("CARGO_MANIFEST_DIR")))
+        .unwrap_or_else(|error| panic!("{error}\n{json:#}"))
+}
+
+/// A scene without camera: materials, objects, lights and meters.
+pub fn metered(materials: Value, objects: Value, lights: Value, meters: Value) -> Scene {
+    scene(&json!({
+        "name": "test", "length_unit": "m", "materials": materials, "objects": objects, "lights": lights,
+        "meters": meters,
+    }))
+}
+
+/// The reading of a scene's only meter.
+pub fn read_one(scene: &Scene, samples: u64) -> Reading {
+    let mut readings = read_meters(scene, samples, 1);
+    assert_eq!(readings.len(), 1);
+    readings.remove(0)
+}
+
+/// Asserts that a reading holds the truth within [`SIGMAS`], and that it is precise enough
+/// for that to mean something: its standard error is below `relative` of the truth.
+pub fn assert_reads(what: &str, reading: &Reading, truth: f64, relative: f64) {
+    let (mean, error) = (reading.photometric.mean, reading.photometric.standard_error);
+    assert!(error <= relative * truth.abs(), "{what}: too noisy to judge: {mean} +- {error}, truth {truth}");
+    // Deterministic estimates have no scatter; what remains is rounding.
+    let allowed = SIGMAS * error + 2e-5 * truth.abs();
+    assert!(
+        (mean - truth).abs() <= allowed,
+        "{what}: {mean} +- {error}, truth {truth} (off by {:.3} %)",
+        100.0 * (mean / truth - 1.0)
+    );
+    assert_eq!(reading.non_finite_samples, 0, "{what}");
+}
+
+/// A meter for illuminance.
+pub fn illuminance(position: [f64; 3], normal: [f64; 3]) -> Value {
+    json!([{ "illuminance": { "name": "meter", "position": position, "normal": normal } }])
+}
+
+/// A meter for luminance.
+pub fn luminance(position: [f64; 3], direction: [f64; 3]) -> Value {
+    json!([{ "luminance": { "name": "meter", "position": position, "direction": direction } }])
+}
