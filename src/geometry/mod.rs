@@ -1,11 +1,33 @@
 //! Rays, frames, shapes, and the one structure that finds what a ray meets.
 //!
-//! Positions are in scene units: metres divided by a power of two that the scene builder
-//! picks so that everything fits a box of about unit size. The scale of a scene therefore
-//! changes no bit of a result.
+//! A [`Shape`] is what a user describes, in metres; a [`GeometryBuilder`] checks, places and
+//! rounds shapes to [`Primitive`]s; the [`Geometry`] it builds answers rays.
+//!
+//! Positions are in scene units: metres divided by a power of two that the builder picks so
+//! that everything fits a box of about unit size. The scale of a scene therefore changes no
+//! bit of a result.
 
+mod accelerate;
+mod blueprint;
+mod bounds;
+mod builder;
+mod error;
 mod frame;
+mod mesh;
+mod precise;
+pub mod primitive;
 mod ray;
+mod shape;
+mod transform;
 
+pub use accelerate::Geometry;
+pub use bounds::{Bounds, MetreBounds, unit_scale};
+pub use builder::GeometryBuilder;
+pub use error::{MeshFault, MeshFileError, ShapeError};
 pub use frame::Frame;
+pub use mesh::Mesh;
+pub use precise::{Meeting, PreciseRay};
+pub use primitive::Primitive;
 pub use ray::{Hit, Ray, SurfacePoint};
+pub use shape::Shape;
+pub use transform::Transform;

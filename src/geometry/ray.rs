@@ -18,7 +18,11 @@ impl Ray {
     /// A half line from `origin` along the unit vector `direction`.
     #[inline]
     pub const fn new(origin: Vec3A, direction: Vec3A) -> Self {
-        Self { origin, direction, t_max: f32::INFINITY }
+        Self {
+            origin,
+            direction,
+            t_max: f32::INFINITY,
+        }
     }
 }
 

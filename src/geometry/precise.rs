@@ -1,0 +1,165 @@
+//! Double precision where rays meet surfaces.
+//!
+//! Every surface is defined exactly by its `f32` parameters; meeting it with a ray is
+//! computed in `f64`. The error of a meeting is then eight decimal digits below the spacing
+//! of the `f32` positions that rays start from, so a start one spacing off a surface is
+//! certainly off it, and neither a fixed epsilon nor a least distance is needed.
+
+use super::{Ray, SurfacePoint};
+use glam::{DVec3, Vec3A};
+
+/// Bound on the relative rounding error of the few `f64` operations that make a position:
+/// 32 units in the last place.
+const POSITION_SLOP: f64 = 32.0 * f64::EPSILON;
+
+/// A ray in double precision, with the shear of the triangle test prepared.
+///
+/// Woop, Benthin, Wald, "Watertight ray/triangle intersection", JCGT 2013: the shear makes
+/// the ray the z axis.
+#[derive(Clone, Copy, Debug)]
+pub struct PreciseRay {
+    /// Start, in scene units.
+    pub origin: DVec3,
+    /// Direction, of unit length to the rounding of `f32`.
+    pub direction: DVec3,
+    /// Hits at or beyond this distance do not count.
+    pub t_max: f64,
+    start: [f64; 3],
+    axes: [usize; 3],
+    shear: [f64; 3],
+}
+
+/// Where along a ray, and where on a primitive, the two meet.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// Distance along the ray, in units of its direction's length.
+    pub t: f64,
+    /// First surface coordinate: of the parallelogram along its first edge, of the triangle
+    /// the weight of its second vertex; unused by curved primitives.
+    pub u: f64,
+    /// Second surface coordinate, as above: second edge, third vertex.
+    pub v: f64,
+}
+
+impl PreciseRay {
+    /// Prepares `ray`.
+    #[inline]
+    pub fn new(ray: &Ray) -> Self {
+        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        let size = direction.abs();
+        let z = if size.x > size.y {
+            if size.x > size.z { 0 } else { 2 }
+        } else if size.y > size.z {
+            1
+        } else {
+            2
+        };
+        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let along = direction.to_array();
+        let inverse = 1.0 / along[z];
+        Self {
+            origin,
+            direction,
+            t_max: f64::from(ray.t_max),
+            start: origin.to_array(),
+            axes,
+            shear: [along[axes[0]] * inverse, along[axes[1]] * inverse, inverse],
+        }
+    }
+
+    /// The point at distance `t`.
+    #[inline]
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+
+    /// Whether a meeting at distance `t` counts.
+    #[inline]
+    pub fn reaches(&self, t: f64) -> bool {
+        t > 0.0 && t < self.t_max
+    }
+
+    /// A vertex in the sheared coordinates in which this ray is the z axis.
+    ///
+    /// The result depends on nothing but ray and vertex, which is what makes triangles that
+    /// share a vertex meet without a gap.
+    #[inline]
+    pub(crate) fn sheared(&self, vertex: &[f32; 3]) -> DVec3 {
+        let component = |axis: usize| f64::from(vertex[axis]) - self.start[axis];
+        let z = component(self.axes[2]);
+        DVec3::new(
+            component(self.axes[0]) - self.shear[0] * z,
+            component(self.axes[1]) - self.shear[1] * z,
+            self.shear[2] * z,
+        )
+    }
+
+    /// The nearer of two distances that counts, if any does.
+    #[inline]
+    pub(crate) fn first_of(
+        &self,
+        roots: (f64, f64),
+        counts: impl Fn(f64) -> bool,
+    ) -> Option<Meeting> {
+        let meeting = |t| Meeting { t, u: 0.0, v: 0.0 };
+        if self.reaches(roots.0) && counts(roots.0) {
+            Some(meeting(roots.0))
+        } else if self.reaches(roots.1) && counts(roots.1) {
+            Some(meeting(roots.1))
+        } else {
+            None
+        }
+    }
+}
+
+/// Distances at which the line through `offset` (from the centre) along `direction` is at
+/// distance `radius` from the centre, nearer first.
+///
+/// The discriminant is radius^2 minus the squared distance of the line from the centre,
+/// which loses nothing for small and far spheres (Haines et al., Ray Tracing Gems,
+/// chapter 7).
+#[inline]
+pub(crate) fn round_roots(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
+    let a = direction.length_squared();
+    let b = -offset.dot(direction);
+    let nearest = offset + direction * (b / a);
+    let discriminant = radius * radius - nearest.length_squared();
+    // False for NaN too, which is what a direction without extent gives.
+    if !(discriminant >= 0.0) {
+        return None;
+    }
+    let c = offset.length_squared() - radius * radius;
+    let q = b + (a * discriminant).sqrt().copysign(b);
+    let (first, second) = (c / q, q / a);
+    Some(if first < second {
+        (first, second)
+    } else {
+        (second, first)
+    })
+}
+
+impl SurfacePoint {
+    /// Rounds a position computed in `f64` from terms of size `magnitude` (axis by axis),
+    /// on a surface that is itself only known to within `thickness`.
+    #[inline]
+    pub(crate) fn rounded(exact: DVec3, magnitude: DVec3, thickness: DVec3, normal: DVec3) -> Self {
+        let position = exact.as_vec3a();
+        let error = (exact - position.as_dvec3()).abs() + magnitude * POSITION_SLOP + thickness;
+        Self {
+            position,
+            error: Vec3A::new(round_up(error.x), round_up(error.y), round_up(error.z)),
+            normal: normal.normalize_or_zero().as_vec3a(),
+        }
+    }
+}
+
+/// The least `f32` not below `x`.
+#[inline]
+pub(crate) fn round_up(x: f64) -> f32 {
+    let rounded = x as f32;
+    if f64::from(rounded) < x {
+        rounded.next_up()
+    } else {
+        rounded
+    }
+}

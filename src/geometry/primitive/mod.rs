@@ -1,0 +1,87 @@
+//! What a ray can meet: five kinds of surface in scene units.
+//!
+//! The contract of each kind, by the same names everywhere: `bounds` holds every point;
+//! `intersect` finds the nearest meeting with 0 < t < t_max; `point` turns a meeting into a
+//! position with its error bound; `area`; and `sample_area` draws points with density 1/area.
+
+mod cylinder;
+mod disk;
+mod parallelogram;
+mod sphere;
+mod triangle;
+
+pub use cylinder::Cylinder;
+pub use disk::Disk;
+pub use parallelogram::Parallelogram;
+pub use sphere::Sphere;
+pub use triangle::Triangle;
+
+use super::{Bounds, Meeting, PreciseRay, SurfacePoint};
+use glam::DVec3;
+
+/// A surface that is met as one piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Primitive {
+    /// A flat triangle, its vertices counter-clockwise seen from the side of its normal.
+    Triangle(Triangle),
+    /// A parallelogram; its normal is first edge cross second edge.
+    Parallelogram(Parallelogram),
+    /// A whole sphere; its normal points outward.
+    Sphere(Sphere),
+    /// The lateral surface of a right circular cylinder; its normal points outward.
+    Cylinder(Cylinder),
+    /// A flat disk; its normal is its axis.
+    Disk(Disk),
+}
+
+/// Calls the same method on whichever primitive it is.
+macro_rules! each {
+    ($primitive:expr, $inner:ident => $call:expr) => {
+        match $primitive {
+            Primitive::Triangle($inner) => $call,
+            Primitive::Parallelogram($inner) => $call,
+            Primitive::Sphere($inner) => $call,
+            Primitive::Cylinder($inner) => $call,
+            Primitive::Disk($inner) => $call,
+        }
+    };
+}
+
+impl Primitive {
+    /// A box around the surface.
+    pub fn bounds(&self) -> Bounds {
+        each!(self, inner => inner.bounds())
+    }
+
+    /// The nearest place where `ray` meets the surface.
+    #[inline]
+    pub fn intersect(&self, ray: &PreciseRay) -> Option<Meeting> {
+        each!(self, inner => inner.intersect(ray))
+    }
+
+    /// The point of a meeting that `intersect` gave for the same ray.
+    #[inline]
+    pub fn point(&self, ray: &PreciseRay, meeting: &Meeting) -> SurfacePoint {
+        each!(self, inner => inner.point(ray, meeting))
+    }
+
+    /// Surface area, in square scene units.
+    pub fn area(&self) -> f32 {
+        each!(self, inner => inner.area())
+    }
+
+    /// A point on the surface, uniform over its area (density 1/area), from two numbers
+    /// uniform in [0, 1).
+    #[inline]
+    pub fn sample_area(&self, u: [f32; 2]) -> SurfacePoint {
+        each!(self, inner => inner.sample_area(u))
+    }
+}
+
+/// Unit vector at angle `turn` (in whole turns) in the plane across the unit vector `axis`.
+#[inline]
+fn around(axis: DVec3, turn: f64) -> DVec3 {
+    let (tangent, bitangent) = axis.any_orthonormal_pair();
+    let (sin, cos) = (turn * std::f64::consts::TAU).sin_cos();
+    tangent * cos + bitangent * sin
+}
