@@ -1,4 +1,8 @@
 //! Rays meet what they should, and nothing else.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a set-up that fails is a test that fails"
+)]
 
 use etalon::geometry::{
     Geometry, GeometryBuilder, Mesh, PreciseRay, Primitive, Ray, Shape, ShapeError, Transform,
@@ -88,7 +92,8 @@ const SELF_HIT_RAYS: u32 = 500_000;
 
 #[test]
 fn rays_from_a_surface_never_meet_it_again() {
-    for (name, shape) in specimens() {
+    let slivers = ("sliver box", Shape::Mesh(sliver_box()));
+    for (name, shape) in specimens().into_iter().chain([slivers]) {
         for to_world in [Transform::IDENTITY, askew()] {
             let geometry = build(&[(shape.clone(), to_world)]);
             let mut random = Random(1);
@@ -117,8 +122,10 @@ fn rays_from_a_surface_never_meet_it_again() {
                 let Some(hit) = geometry.intersect(&point.ray_along(direction)) else {
                     continue;
                 };
+                // Turned, slivers as narrow as a few roundings are no longer flat together.
+                let outward = cosine > 0.0 && name != "sliver box";
                 assert!(
-                    cosine < 0.0,
+                    !outward,
                     "{name}: convex, but met from outside: {hit:?} {cosine}"
                 );
                 if hit.primitive == start {
@@ -369,7 +376,13 @@ fn scenes_of_none_one_and_two_primitives_answer() {
     assert!(build(&[]).intersect(&down).is_none());
     assert!(build(&[]).bounds().is_empty());
     let floor = (level_square(0.0), Transform::IDENTITY);
-    assert_eq!(build(&[floor.clone()]).intersect(&down).unwrap().t, 0.9);
+    assert_eq!(
+        build(std::slice::from_ref(&floor))
+            .intersect(&down)
+            .unwrap()
+            .t,
+        0.9
+    );
     let upper = (level_square(0.5), Transform::IDENTITY);
     assert_eq!(build(&[floor, upper]).intersect(&down).unwrap().object, 1);
 }

@@ -1,4 +1,8 @@
 //! Mesh files, whole and broken.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a set-up that fails is a test that fails"
+)]
 
 use etalon::geometry::{Mesh, MeshFault, MeshFileError, parse_obj, parse_ply, read_ply};
 use glam::DVec3;

@@ -1,4 +1,8 @@
 //! Points land on surfaces as densely as they say.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a set-up that fails is a test that fails"
+)]
 
 use etalon::geometry::primitive::Sphere;
 use etalon::geometry::{Geometry, GeometryBuilder, Ray, Transform, specimens};

@@ -378,16 +378,27 @@ impl BoxRay {
             let (near, far) = if rises { (low, high) } else { (high, low) };
             let (scale, nearest, farthest) = (scale[axis], nearest[axis], farthest[axis]);
             for child in 0..8 {
-                enter[child] = enter[child].max(f32::from(near[child]) * scale + nearest);
-                leave[child] = leave[child].min(f32::from(far[child]) * scale + farthest);
+                let nearest = f32::from(near[child]) * scale + nearest;
+                let farthest = f32::from(far[child]) * scale + farthest;
+                // Comparisons, not `max` and `min`: nothing here is NaN, and these are one
+                // instruction.
+                enter[child] = if nearest > enter[child] {
+                    nearest
+                } else {
+                    enter[child]
+                };
+                leave[child] = if farthest < leave[child] {
+                    farthest
+                } else {
+                    leave[child]
+                };
             }
         }
         let (bits, places) = node.get_child_and_index_bits(self.octant);
         let mut met = 0;
         for child in 0..8 {
-            if enter[child] <= leave[child] {
-                met |= extract_byte64(bits, child) << extract_byte64(places, child);
-            }
+            let bits = extract_byte64(bits, child) * u32::from(enter[child] <= leave[child]);
+            met |= bits << extract_byte64(places, child);
         }
         met
     }

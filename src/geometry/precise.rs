@@ -127,8 +127,8 @@ pub(crate) fn round_roots(offset: DVec3, direction: DVec3, radius: f64) -> Optio
     let b = -offset.dot(direction);
     let nearest = offset + direction * (b / a);
     let discriminant = radius * radius - nearest.length_squared();
-    // False for NaN too, which is what a direction without extent gives.
-    if !(discriminant >= 0.0) {
+    // NaN is what a direction without extent gives.
+    if discriminant < 0.0 || discriminant.is_nan() {
         return None;
     }
     let c = offset.length_squared() - radius * radius;
