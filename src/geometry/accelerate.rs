@@ -9,6 +9,8 @@ use super::builder::Parts;
 use super::{Bounds, Frame, Hit, Meeting, PreciseRay, Primitive, Ray, precise::round_up};
 use glam::{DVec3, UVec2, Vec3A};
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::{CwBvhNode, extract_byte64};
@@ -314,17 +316,103 @@ fn build_tree(primitives: &[Primitive], bounds: &Bounds) -> (Vec<CwBvhNode>, Vec
             Aabb::new(min - padding, max + padding)
         })
         .collect();
+    let wide = bvh2_to_cwbvh(&binary_tree(&boxes), LEAF_SIZE, true, false);
+    (wide.nodes, wide.primitive_indices)
+}
+
+/// A binary tree by clustering, which suits rays best; by halving where clustering makes a
+/// chain, as it does of many faces in one place. Chains take quadratic time to make and
+/// overflow the call stack of what follows.
+fn binary_tree(boxes: &[Aabb]) -> Bvh2 {
+    if deepest_heap(boxes) > DEEPEST as usize {
+        return halved(boxes);
+    }
     let indices = (0..boxes.len() as u32).collect();
-    let mut binary = PlocBuilder::with_capacity(boxes.len()).build(
+    let mut clustered = PlocBuilder::with_capacity(boxes.len()).build(
         PlocSearchDistance::Medium,
-        &boxes,
+        boxes,
         indices,
         SortPrecision::U64,
         0,
     );
-    ReinsertionOptimizer::default().run(&mut binary, REINSERTION_SHARE, None);
-    let wide = bvh2_to_cwbvh(&binary, LEAF_SIZE, true, false);
-    (wide.nodes, wide.primitive_indices)
+    if !is_shallow(&clustered) {
+        return halved(boxes);
+    }
+    ReinsertionOptimizer::default().run(&mut clustered, REINSERTION_SHARE, None);
+    if is_shallow(&clustered) {
+        clustered
+    } else {
+        halved(boxes)
+    }
+}
+
+/// Levels of a tree that is safe to walk by recursion.
+const DEEPEST: u32 = 96;
+
+/// How many boxes at most are the same box.
+fn deepest_heap(boxes: &[Aabb]) -> usize {
+    let bits = |b: &Aabb| {
+        (
+            b.min.to_array().map(f32::to_bits),
+            b.max.to_array().map(f32::to_bits),
+        )
+    };
+    let mut keys: Vec<_> = boxes.iter().map(bits).collect();
+    keys.sort_unstable();
+    keys.chunk_by(|a, b| a == b)
+        .map(<[_]>::len)
+        .max()
+        .unwrap_or(0)
+}
+
+fn is_shallow(tree: &Bvh2) -> bool {
+    let mut pending = vec![(0, 0)];
+    while let Some((index, depth)) = pending.pop() {
+        if depth > DEEPEST {
+            return false;
+        }
+        let node = &tree.nodes[index as usize];
+        if !node.is_leaf() {
+            pending.extend([
+                (node.first_index, depth + 1),
+                (node.first_index + 1, depth + 1),
+            ]);
+        }
+    }
+    true
+}
+
+/// A tree that halves the number of boxes at each level, along the axis on which their
+/// centres lie farthest apart.
+fn halved(boxes: &[Aabb]) -> Bvh2 {
+    let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+    let mut nodes = vec![Bvh2Node::default()];
+    let mut pending = vec![(0, 0..boxes.len())];
+    while let Some((node, range)) = pending.pop() {
+        let members = &mut order[range.clone()];
+        let (mut around, mut centers) = (Aabb::INVALID, Aabb::INVALID);
+        for &member in members.iter() {
+            around = around.union(&boxes[member as usize]);
+            centers.extend(boxes[member as usize].center());
+        }
+        if members.len() == 1 {
+            nodes[node] = Bvh2Node::new(around, 1, range.start as u32);
+            continue;
+        }
+        let (axis, half) = (centers.largest_axis(), members.len() / 2);
+        let center = |&member: &u32| boxes[member as usize].center_axis(axis);
+        members.select_nth_unstable_by(half, |a, b| center(a).total_cmp(&center(b)));
+        let children = nodes.len();
+        nodes[node] = Bvh2Node::new(around, 0, children as u32);
+        nodes.extend([Bvh2Node::default(); 2]);
+        pending.push((children, range.start..range.start + half));
+        pending.push((children + 1, range.start + half..range.end));
+    }
+    Bvh2 {
+        nodes,
+        primitive_indices: order,
+        ..Bvh2::default()
+    }
 }
 
 /// A ray as the box test wants it.
@@ -378,16 +466,27 @@ impl BoxRay {
             let (near, far) = if rises { (low, high) } else { (high, low) };
             let (scale, nearest, farthest) = (scale[axis], nearest[axis], farthest[axis]);
             for child in 0..8 {
-                enter[child] = enter[child].max(f32::from(near[child]) * scale + nearest);
-                leave[child] = leave[child].min(f32::from(far[child]) * scale + farthest);
+                let nearest = f32::from(near[child]) * scale + nearest;
+                let farthest = f32::from(far[child]) * scale + farthest;
+                // Comparisons, not `max` and `min`: nothing here is NaN, and these are one
+                // instruction.
+                enter[child] = if nearest > enter[child] {
+                    nearest
+                } else {
+                    enter[child]
+                };
+                leave[child] = if farthest < leave[child] {
+                    farthest
+                } else {
+                    leave[child]
+                };
             }
         }
         let (bits, places) = node.get_child_and_index_bits(self.octant);
         let mut met = 0;
         for child in 0..8 {
-            if enter[child] <= leave[child] {
-                met |= extract_byte64(bits, child) << extract_byte64(places, child);
-            }
+            let bits = extract_byte64(bits, child) * u32::from(enter[child] <= leave[child]);
+            met |= bits << extract_byte64(places, child);
         }
         met
     }

@@ -14,8 +14,11 @@ const PASSED_OVER: [&str; 9] = ["vt", "vp", "g", "o", "s", "usemtl", "mtllib", "
 
 /// Reads an OBJ file; polygons become fans of triangles around their first vertex.
 pub fn read_obj(path: &Path) -> Result<Mesh, MeshFileError> {
-    let bytes = std::fs::read(path)
-        .map_err(|e| MeshFileError { file: path.into(), line: None, what: e.into() })?;
+    let bytes = std::fs::read(path).map_err(|e| MeshFileError {
+        file: path.into(),
+        line: None,
+        what: e.into(),
+    })?;
     parse_obj(path, &bytes)
 }
 
@@ -31,7 +34,11 @@ pub fn parse_obj(name: &Path, bytes: &[u8]) -> Result<Mesh, MeshFileError> {
         })?;
     }
     if reader.mesh.triangles.is_empty() {
-        return Err(MeshFileError { file: name.into(), line: None, what: MeshFault::Empty });
+        return Err(MeshFileError {
+            file: name.into(),
+            line: None,
+            what: MeshFault::Empty,
+        });
     }
     if !reader.any_normals {
         reader.mesh.normals.clear();
@@ -72,7 +79,9 @@ impl ObjReader {
         }
         if self.polygon.len() < 3 {
             let found = self.polygon.len();
-            return Err(MeshFault::Syntax(format!("a face needs 3 vertices, found {found}")));
+            return Err(MeshFault::Syntax(format!(
+                "a face needs 3 vertices, found {found}"
+            )));
         }
         self.mesh.push_polygon(&self.polygon);
         Ok(())
@@ -91,7 +100,9 @@ impl ObjReader {
         let vertex = *self.vertices.entry((position, normal)).or_insert(next);
         if vertex == next {
             self.mesh.positions.push(self.positions[position]);
-            self.mesh.normals.push(normal.map_or(DVec3::ZERO, |index| self.normals[index]));
+            self.mesh
+                .normals
+                .push(normal.map_or(DVec3::ZERO, |index| self.normals[index]));
             self.any_normals |= normal.is_some();
         }
         Ok(vertex)
@@ -106,11 +117,16 @@ fn resolve(text: &str, count: usize) -> Result<usize, MeshFault> {
     let from_zero = match index {
         1.. => usize::try_from(index - 1).ok(),
         0 => None,
-        _ => usize::try_from(index.unsigned_abs()).ok().and_then(|back| count.checked_sub(back)),
+        _ => usize::try_from(index.unsigned_abs())
+            .ok()
+            .and_then(|back| count.checked_sub(back)),
     };
     from_zero
         .filter(|&found| found < count)
-        .ok_or(MeshFault::NoSuchVertex { index, vertices: count })
+        .ok_or(MeshFault::NoSuchVertex {
+            index,
+            vertices: count,
+        })
 }
 
 fn vector<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<DVec3, MeshFault> {
@@ -119,8 +135,13 @@ fn vector<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<DVec3, MeshFau
         let word = words
             .next()
             .ok_or_else(|| MeshFault::Syntax("three coordinates are needed".into()))?;
-        vector[axis] =
-            word.parse().map_err(|_| MeshFault::Syntax(format!("\"{word}\" is not a number")))?;
+        vector[axis] = word
+            .parse()
+            .map_err(|_| MeshFault::Syntax(format!("\"{word}\" is not a number")))?;
     }
-    if vector.is_finite() { Ok(vector) } else { Err(MeshFault::NotFinite) }
+    if vector.is_finite() {
+        Ok(vector)
+    } else {
+        Err(MeshFault::NotFinite)
+    }
 }

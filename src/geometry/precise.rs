@@ -8,9 +8,12 @@
 use super::{Ray, SurfacePoint};
 use glam::{DVec3, Vec3A};
 
-/// Bound on the relative rounding error of the few `f64` operations that make a position:
-/// 32 units in the last place.
-const POSITION_SLOP: f64 = 32.0 * f64::EPSILON;
+/// Bound on the error of a meeting relative to the largest coordinate of the primitive, 2^-27.
+///
+/// A start on a plane is told from the plane's other side with an error of about 12 units in
+/// the last place of `f64` times the aspect ratio of the triangle, whichever way its plane
+/// lies; this covers ratios to a million and is an eighth of the spacing of `f32`.
+const MEETING_ERROR: f64 = 1.0 / (1u64 << 27) as f64;
 
 /// A ray in double precision, with the shear of the triangle test prepared.
 ///
@@ -124,8 +127,8 @@ pub(crate) fn round_roots(offset: DVec3, direction: DVec3, radius: f64) -> Optio
     let b = -offset.dot(direction);
     let nearest = offset + direction * (b / a);
     let discriminant = radius * radius - nearest.length_squared();
-    // False for NaN too, which is what a direction without extent gives.
-    if !(discriminant >= 0.0) {
+    // NaN is what a direction without extent gives.
+    if discriminant < 0.0 || discriminant.is_nan() {
         return None;
     }
     let c = offset.length_squared() - radius * radius;
@@ -139,12 +142,13 @@ pub(crate) fn round_roots(offset: DVec3, direction: DVec3, radius: f64) -> Optio
 }
 
 impl SurfacePoint {
-    /// Rounds a position computed in `f64` from terms of size `magnitude` (axis by axis),
-    /// on a surface that is itself only known to within `thickness`.
+    /// Rounds a position computed in `f64` on a primitive whose coordinates reach to `reach`,
+    /// and whose surface is itself only known to within `thickness`.
     #[inline]
-    pub(crate) fn rounded(exact: DVec3, magnitude: DVec3, thickness: DVec3, normal: DVec3) -> Self {
+    pub(crate) fn rounded(exact: DVec3, reach: DVec3, thickness: DVec3, normal: DVec3) -> Self {
         let position = exact.as_vec3a();
-        let error = (exact - position.as_dvec3()).abs() + magnitude * POSITION_SLOP + thickness;
+        let slop = DVec3::splat(reach.max_element() * MEETING_ERROR);
+        let error = (exact - position.as_dvec3()).abs() + slop + thickness;
         Self {
             position,
             error: Vec3A::new(round_up(error.x), round_up(error.y), round_up(error.z)),

@@ -95,8 +95,8 @@ impl Cylinder {
     fn at(&self, height: f64, outward: DVec3) -> SurfacePoint {
         let (from, radius) = (self.from.as_dvec3(), f64::from(self.radius));
         let position = from + self.axis * height + outward * radius;
-        let magnitude = from.abs() + DVec3::splat(radius + self.length);
-        SurfacePoint::rounded(position, magnitude, DVec3::ZERO, outward)
+        let reach = from.abs() + DVec3::splat(radius + self.length);
+        SurfacePoint::rounded(position, reach, DVec3::ZERO, outward)
     }
 }
 

@@ -83,10 +83,7 @@ impl Disk {
     #[inline]
     fn at(&self, offset: DVec3) -> SurfacePoint {
         let center = self.center.as_dvec3();
-        // Offsets are rounded to within the disk's size times the tilt of the plane, so a
-        // plane across a coordinate axis stays exact.
-        let tilt = DVec3::ONE - (self.normal * self.normal).map(f64::floor);
-        let magnitude = center.abs() + tilt * f64::from(self.radius);
-        SurfacePoint::rounded(center + offset, magnitude, DVec3::ZERO, self.normal)
+        let reach = center.abs() + DVec3::splat(f64::from(self.radius));
+        SurfacePoint::rounded(center + offset, reach, DVec3::ZERO, self.normal)
     }
 }

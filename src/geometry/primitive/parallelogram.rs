@@ -100,9 +100,9 @@ impl Parallelogram {
         } else {
             a * (1.0 - v) + d * (v - u) + c * u
         };
-        let magnitude = a.abs() + b.abs() + c.abs() + d.abs();
+        let reach = a.abs().max(b.abs()).max(c.abs()).max(d.abs());
         let bend = (a - b + c - d).abs();
-        SurfacePoint::rounded(position, magnitude, bend, self.cross())
+        SurfacePoint::rounded(position, reach, bend, self.cross())
     }
 
     #[inline]

@@ -127,8 +127,8 @@ impl Sphere {
     #[inline]
     fn towards(&self, outward: DVec3) -> SurfacePoint {
         let (center, radius) = (self.center.as_dvec3(), f64::from(self.radius));
-        let magnitude = center.abs() + DVec3::splat(radius);
-        SurfacePoint::rounded(center + outward * radius, magnitude, DVec3::ZERO, outward)
+        let reach = center.abs() + DVec3::splat(radius);
+        SurfacePoint::rounded(center + outward * radius, reach, DVec3::ZERO, outward)
     }
 }
 

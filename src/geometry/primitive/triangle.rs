@@ -86,8 +86,8 @@ impl Triangle {
         let [a, b, c] = self.doubles();
         let terms = [a * (1.0 - u - v), b * u, c * v];
         let position = terms[0] + terms[1] + terms[2];
-        let magnitude = a.abs() + b.abs() + c.abs();
-        SurfacePoint::rounded(position, magnitude, DVec3::ZERO, self.cross())
+        let reach = a.abs().max(b.abs()).max(c.abs());
+        SurfacePoint::rounded(position, reach, DVec3::ZERO, self.cross())
     }
 
     #[inline]
