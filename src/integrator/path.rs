@@ -254,8 +254,9 @@ impl<'a> Walk<'a> {
         if drawn.is_transmission {
             self.radiance_scale *= vertex.bsdf.radiance_scale(drawn.wi);
         }
-        self.throughput *= drawn.value * (1.0 / hero);
-        self.lane_density *= drawn.pdf * (1.0 / hero);
+        // Divided, not multiplied by a reciprocal: the hero's own density stays exactly one.
+        self.throughput *= drawn.value / Spectrum::splat(hero);
+        self.lane_density *= drawn.pdf / Spectrum::splat(hero);
         self.ray = vertex.point.ray_along(direction);
         self.bounce += 1;
         true

@@ -1,5 +1,7 @@
 //! The first two dimensions of Sobol's sequence, Owen-scrambled and shuffled.
 
+use super::mix;
+
 /// A point of a scrambled and shuffled two-dimensional Sobol sequence, in [0, 1)^2.
 ///
 /// `index` runs from 0 within a block of 2^`index_bits` points; `key` picks the scramble.
@@ -8,7 +10,8 @@ pub fn owen_sobol_2d(index: u32, index_bits: u32, key: u64) -> [f32; 2] {
     let (low, high) = (key as u32, (key >> 32) as u32);
     // Shuffling within the block: any power-of-two prefix stays a net.
     let mask = ((1_u64 << index_bits) - 1) as u32;
-    let shuffled = nested_uniform_scramble(index, low ^ 0x9e37_79b9) & mask;
+    // The shuffle has its own key: with one of the scrambles' the leading bits would cancel.
+    let shuffled = laine_karras(index, (mix(key) >> 32) as u32) & mask;
     let x = laine_karras(shuffled, low).reverse_bits();
     let y = laine_karras(second_dimension(shuffled).reverse_bits(), high).reverse_bits();
     [to_unit(x), to_unit(y)]
@@ -29,12 +32,6 @@ fn second_dimension(mut index: u32) -> u32 {
         index >>= 1;
     }
     bits
-}
-
-/// Owen scrambling of the bits read from the least significant one, by hashing.
-#[inline]
-fn nested_uniform_scramble(value: u32, seed: u32) -> u32 {
-    laine_karras(value, seed)
 }
 
 /// A hash in which a bit depends on itself and lower bits alone (Laine and Karras 2011),
@@ -58,7 +55,6 @@ fn to_unit(bits: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampler::mix;
 
     /// A (0, m, 2)-net in base 2: every elementary interval of area 2^-m holds one point.
     #[test]
