@@ -58,18 +58,34 @@ impl Error {
     #[must_use]
     pub fn under(mut self, segment: impl fmt::Display) -> Self {
         let inner = self.pointer.take().unwrap_or_default();
+        // RFC 6901: the two characters that a segment cannot hold as they are.
+        let segment = segment.to_string().replace('~', "~0").replace('/', "~1");
         self.pointer = Some(format!("/{segment}{inner}"));
         self
     }
 
     /// The error of a file that cannot be read or written.
     pub fn io(file: &Path, doing: &str, source: &std::io::Error) -> Self {
+        use std::io::ErrorKind;
         let hint = match source.kind() {
-            std::io::ErrorKind::NotFound => "check the path; it is taken relative to the file that names it",
-            std::io::ErrorKind::PermissionDenied => "check the permissions",
+            ErrorKind::NotFound => "check the path",
+            ErrorKind::PermissionDenied => "check the permissions",
+            ErrorKind::IsADirectory => "name a file, not a folder",
+            ErrorKind::InvalidData => "save the file as UTF-8 text",
             _ => "check the disk and the path",
         };
-        Self::new(format!("cannot {doing}: {source}")).in_file(file).hint(hint)
+        Self::new(format!("cannot {doing}: {}", reason(source))).in_file(file).hint(hint)
+    }
+
+    /// The error of a file that a scene names and that cannot be read: the fault is the
+    /// scene's, so the place stays open for the entry that names it.
+    pub fn named_file(named: &str, source: &std::io::Error) -> Self {
+        let fault = Self::io(Path::new(named), &format!("read \"{named}\""), source);
+        let hint = match source.kind() {
+            std::io::ErrorKind::NotFound => Some("check the path; it is taken relative to the scene's folder".to_owned()),
+            _ => fault.hint,
+        };
+        Self { file: None, hint, ..fault }
     }
 
     /// `"; did you mean …?"` material: the known name nearest to a wrong one.
@@ -99,8 +115,31 @@ impl Error {
     }
 }
 
+/// What the system says, without its number.
+fn reason(source: &std::io::Error) -> String {
+    let text = source.to_string();
+    text.split(" (os error").next().unwrap_or_default().to_owned()
+}
+
+/// Passes text on with line breaks and other control characters written out, so that an
+/// error stays on its line whatever names a file gives things.
+struct OneLine<'a, 'b>(&'a mut fmt::Formatter<'b>);
+
+impl fmt::Write for OneLine<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for part in text.split_inclusive(char::is_control) {
+            let plain = part.trim_end_matches(char::is_control);
+            self.0.write_str(plain)?;
+            write!(self.0, "{}", part[plain.len()..].escape_default())?;
+        }
+        Ok(())
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        use fmt::Write as _;
+        let mut f = OneLine(f);
         if let Some(file) = &self.file {
             write!(f, "{}", file.display())?;
             if let Some(line) = self.line {
@@ -139,6 +178,12 @@ mod tests {
             error.to_string(),
             "scene.json:12:9 /camera: unknown key \"fstop\"; did you mean \"f_stop\"?"
         );
+    }
+
+    #[test]
+    fn a_name_with_a_line_break_stays_on_its_line() {
+        let error = Error::new("unknown material \"a\nb\"").under("x/y~z");
+        assert_eq!(error.to_string(), "/x~1y~0z: unknown material \"a\\nb\"");
     }
 
     #[test]

@@ -93,10 +93,9 @@ fn an_integrating_sphere_multiplies_its_lamp() {
     for (albedo, truth) in [(0.5, 270.56), (0.9, 1352.82), (0.98, 6764.09)] {
         let materials = json!({ "wall": { "lambertian": { "reflectance": albedo } } });
         let objects = json!([{ "shape": { "sphere": { "center": [0, 0, 0], "radius": 1 } }, "material": "wall" }]);
-        // A hair inside the wall, so that the meter is in the sphere.
-        let meter = illuminance([0.0, 0.0, -0.999_999], [0.0, 0.0, 1.0]);
+        let meter = illuminance([0.0, 0.0, -1.0], [0.0, 0.0, 1.0]);
         let scene = metered(materials, objects, isotropic(json!({ "flux_lm": 1700 })), meter);
-        assert_reads(&format!("albedo {albedo}"), &read_one(&scene, 1 << 19), truth, 2e-3);
+        assert_reads(&format!("albedo {albedo}"), &read_one(&scene, 1 << 20), truth, 3e-3);
     }
 }
 
@@ -110,7 +109,7 @@ fn a_slab_transmits_what_all_orders_together_transmit() {
           "emission": { "spectrum": "d65", "level": { "luminance_cd_m2": 1000 } } }
     ]);
     let scene = metered(materials, objects, json!([]), luminance([0., 0., -1.], [0., 0., 1.]));
-    assert_reads("slab", &read_one(&scene, 1 << 18), 923.0769, 1e-3);
+    assert_reads("slab", &read_one(&scene, 1 << 20), 923.0769, 1e-3);
 }
 
 /// Beer-Lambert: 0.1 m at 5 /m between two surfaces of transmittance 0.96, the orders inside
@@ -206,7 +205,7 @@ fn mean_over_walls(scene: &Scene, size: [f64; 3], points: u32) -> f64 {
             let position = Vec3A::from_array(metres.map(|c| (c / unit) as f32));
             let point = SurfacePoint {
                 position,
-                error: position.abs() * f32::EPSILON * 2.0,
+                error: Vec3A::splat(4.0 * f32::EPSILON),
                 normal: Vec3A::from_array(normal.map(|c| c as f32)),
             };
             let wavelengths = plan.wavelengths.sample(sampler.single(Stream::Wavelength, 0));
@@ -237,7 +236,7 @@ fn cie_171_case_5_4_flux_is_conserved() {
     let surface = 2.0 * (4.0 * 4.0 + 4.0 * 3.0 + 4.0 * 3.0);
     let ratio = mean_over_walls(&room(size, 0.0), size, 1 << 14) * surface / 10_000.0;
     let truth = cie_cases("5.4")[0].3;
-    assert!((ratio / truth - 1.0).abs() < CIE_TOLERANCE, "{ratio}");
+    assert!((ratio / truth - 1.0).abs() < CIE_TOLERANCE, "5.4: {ratio} against {truth}");
 }
 
 #[test]

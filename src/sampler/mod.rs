@@ -131,4 +131,31 @@ mod tests {
             }
         }
     }
+
+    /// Within a block, products of two names' numbers average out as one over its size: for
+    /// independent numbers the mean square of a block's mean product is 1 / (144 * 256).
+    /// The nested shuffle keeps neighbours in opposite halves, which ties samples in pairs
+    /// and can at most double it; a relative standard deviation of sqrt(2 / 400) comes on top.
+    #[test]
+    fn names_are_independent_within_a_block() {
+        const SIZE: u32 = 256;
+        const BLOCKS: u32 = 400;
+        let names = [(Stream::Pixel, 0), (Stream::LightPoint, 0), (Stream::Direction, 1), (Stream::Roulette, 2)];
+        for (i, a) in names.iter().enumerate() {
+            for b in &names[..i] {
+                let mut sum = 0.0;
+                for block in 0..BLOCKS {
+                    let numbers = BlockSampler::new(11, 3, block, SIZE);
+                    let product = |index| {
+                        let sampler = numbers.sample(index);
+                        let centred = |n: &(Stream, u32)| f64::from(sampler.single(n.0, n.1)) - 0.5;
+                        centred(a) * centred(b)
+                    };
+                    sum += ((0..SIZE).map(product).sum::<f64>() / f64::from(SIZE)).powi(2);
+                }
+                let ratio = sum / f64::from(BLOCKS) * 144.0 * f64::from(SIZE);
+                assert!(ratio < 2.0 * (1.0 + 5.0 * (2.0 / f64::from(BLOCKS)).sqrt()), "{a:?} {b:?}: ratio {ratio}");
+            }
+        }
+    }
 }

@@ -11,7 +11,9 @@ pub fn owen_sobol_2d(index: u32, index_bits: u32, key: u64) -> [f32; 2] {
     // Shuffling within the block: any power-of-two prefix stays a net.
     let mask = ((1_u64 << index_bits) - 1) as u32;
     // The shuffle has its own key: with one of the scrambles' the leading bits would cancel.
-    let shuffled = laine_karras(index, (mix(key) >> 32) as u32) & mask;
+    // Scrambled from the highest bit down, so that neighbours end up far apart; from the
+    // lowest up, the halves of one name would fall on the halves of every other.
+    let shuffled = laine_karras(index.reverse_bits(), (mix(key) >> 32) as u32).reverse_bits() & mask;
     let x = laine_karras(shuffled, low).reverse_bits();
     let y = laine_karras(second_dimension(shuffled).reverse_bits(), high).reverse_bits();
     [to_unit(x), to_unit(y)]

@@ -11,6 +11,7 @@ pub fn locate(text: &str, pointer: &str) -> Option<(usize, usize)> {
     let mut value = parsed.value.as_ref()?;
     let mut start = value.start();
     for segment in pointer.split('/').skip(1) {
+        let segment = segment.replace("~1", "/").replace("~0", "~");
         let (next, place) = match value {
             Value::Object(object) => match object.properties.iter().find(|p| name_of(p) == segment) {
                 Some(property) => (&property.value, property.start()),
@@ -28,26 +29,48 @@ pub fn locate(text: &str, pointer: &str) -> Option<(usize, usize)> {
     Some(line_and_column(text, start))
 }
 
-/// The second of two keys of the same name in one object: JSON allows it, we do not.
-pub fn duplicate_key(text: &str) -> Option<(String, (usize, usize))> {
+/// The second of two keys of the same name in one object, with the pointer of the object:
+/// JSON allows it, we do not.
+pub fn duplicate_key(text: &str) -> Option<Repeated> {
     let parsed = parse_to_ast(text, &CollectOptions::default(), &ParseOptions::default()).ok()?;
-    let mut waiting: Vec<&Value<'_>> = parsed.value.iter().collect();
-    while let Some(value) = waiting.pop() {
+    let mut waiting: Vec<(&Value<'_>, String)> = parsed.value.iter().map(|value| (value, String::new())).collect();
+    while let Some((value, pointer)) = waiting.pop() {
         match value {
             Value::Object(object) => {
-                for (index, property) in object.properties.iter().enumerate() {
+                let mut seen = std::collections::HashSet::new();
+                for property in &object.properties {
                     let name = name_of(property);
-                    if object.properties[..index].iter().any(|earlier| name_of(earlier) == name) {
-                        return Some((name.to_owned(), line_and_column(text, property.start())));
+                    if !seen.insert(name) {
+                        let place = line_and_column(text, property.start());
+                        return Some(Repeated { key: name.to_owned(), pointer, place });
                     }
-                    waiting.push(&property.value);
+                    waiting.push((&property.value, format!("{pointer}/{}", escape(name))));
                 }
             }
-            Value::Array(array) => waiting.extend(&array.elements),
+            Value::Array(array) => {
+                let inside = array.elements.iter().enumerate();
+                waiting.extend(inside.map(|(index, element)| (element, format!("{pointer}/{index}"))));
+            }
             _ => {}
         }
     }
     None
+}
+
+/// A key that stands twice in one object.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Repeated {
+    /// The key.
+    pub key: String,
+    /// JSON pointer of the object.
+    pub pointer: String,
+    /// Line and column of the second.
+    pub place: (usize, usize),
+}
+
+/// A name as a segment of a JSON pointer (RFC 6901).
+pub fn escape(name: &str) -> String {
+    name.replace('~', "~0").replace('/', "~1")
 }
 
 fn name_of<'a>(property: &'a ObjectProp<'_>) -> &'a str {
@@ -71,11 +94,14 @@ mod tests {
         assert_eq!(locate(TEXT, "/a"), Some((2, 3)));
         assert_eq!(locate(TEXT, "/a/1/b"), Some((3, 6)));
         assert_eq!(locate(TEXT, "/a/1/missing"), Some((3, 5)));
+        assert_eq!(locate("{\"x/~\": 1, \"x\": 2}", "/x~1~0"), Some((1, 2)));
+        assert_eq!(locate("{\"é\": 1, \"x\": 2}", "/x"), Some((1, 10)));
     }
 
     #[test]
     fn repeated_keys_are_found() {
-        assert_eq!(duplicate_key(TEXT), Some(("b".to_owned(), (3, 14))));
+        let repeated = Repeated { key: "b".to_owned(), pointer: "/a/1".to_owned(), place: (3, 14) };
+        assert_eq!(duplicate_key(TEXT), Some(repeated));
         assert_eq!(duplicate_key("{\"a\": {\"b\": 1}, \"b\": 2}"), None);
     }
 }

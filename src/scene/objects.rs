@@ -150,6 +150,12 @@ impl Built {
         self.unit.metres(length) / self.geometry.metres_per_unit()
     }
 
+    /// What positions in the scene are uncertain by, in scene units.
+    fn rounding(&self) -> f32 {
+        let bounds = self.geometry.bounds();
+        if bounds.is_empty() { 0.0 } else { 4.0 * f32::EPSILON * bounds.min.abs().max(bounds.max.abs()).max_element() }
+    }
+
     /// A length in metres in scene units.
     pub fn length_of_metres(&self, metres: f64) -> f64 {
         metres / self.geometry.metres_per_unit()
@@ -258,7 +264,8 @@ pub(super) fn meters(file: &SceneFile, built: &Built) -> Result<Vec<Meter>> {
             MeterFile::Illuminance { name, position, normal } => {
                 let point = SurfacePoint {
                     position: built.position(*position, "position").map_err(at("illuminance"))?.as_vec3a(),
-                    error: Vec3A::ZERO,
+                    // A meter may lie on a surface: it then looks out from it.
+                    error: Vec3A::splat(built.rounding()),
                     normal: unit_vector(*normal, "normal").map_err(at("illuminance"))?.as_vec3a(),
                 };
                 Ok(Meter { name: name.clone(), kind: MeterKind::Illuminance(point) })

@@ -105,12 +105,16 @@ impl Sphere {
         (foreshortening / f64::from(self.area())) as f32
     }
 
-    /// The cone of directions that meet the sphere; `None` from inside or on it.
+    /// The cone of directions that meet the sphere; `None` from inside or on it, which
+    /// includes points of the sphere itself that rounding has put outside.
     #[inline]
     fn cone(&self, from: Vec3A) -> Option<Cone> {
-        let span = from.as_dvec3() - self.center.as_dvec3();
+        let center = self.center.as_dvec3();
+        let span = from.as_dvec3() - center;
         let (distance2, radius2) = (span.length_squared(), f64::from(self.radius).powi(2));
-        if distance2 <= radius2 {
+        // Positions are rounded to f32 in the coordinates of the scene, not of the sphere.
+        let rounding = 2.0 * f64::from(f32::EPSILON) * (center.abs().max_element() + f64::from(self.radius));
+        if distance2 <= (f64::from(self.radius) + rounding).powi(2) {
             return None;
         }
         let sin2 = radius2 / distance2;
