@@ -58,9 +58,7 @@ impl Error {
     #[must_use]
     pub fn under(mut self, segment: impl fmt::Display) -> Self {
         let inner = self.pointer.take().unwrap_or_default();
-        // RFC 6901: the two characters that a segment cannot hold as they are.
-        let segment = segment.to_string().replace('~', "~0").replace('/', "~1");
-        self.pointer = Some(format!("/{segment}{inner}"));
+        self.pointer = Some(format!("/{}{inner}", pointer_segment(&segment.to_string())));
         self
     }
 
@@ -82,7 +80,9 @@ impl Error {
     pub fn named_file(named: &str, source: &std::io::Error) -> Self {
         let fault = Self::io(Path::new(named), &format!("read \"{named}\""), source);
         let hint = match source.kind() {
-            std::io::ErrorKind::NotFound => Some("check the path; it is taken relative to the scene's folder".to_owned()),
+            std::io::ErrorKind::NotFound => {
+                Some("check the path; it is taken relative to the scene's folder".to_owned())
+            }
             _ => fault.hint,
         };
         Self { file: None, hint, ..fault }
@@ -113,6 +113,11 @@ impl Error {
         };
         Self::new(format!("unknown {what} \"{wrong}\"")).hint(hint)
     }
+}
+
+/// A name as a segment of a JSON pointer (RFC 6901).
+pub(crate) fn pointer_segment(name: &str) -> String {
+    name.replace('~', "~0").replace('/', "~1")
 }
 
 /// What the system says, without its number.

@@ -1,5 +1,36 @@
-//! Etalon.
-#![warn(missing_docs)]
+//! Etalon renders scenes given in physical units into pictures that can be held against a
+//! photograph, with the error stated.
+//!
+//! Every pixel is an integral over wavelengths, lens, pixel area and light paths of
+//!
+//! ```text
+//! L(x, w, l) = Le(x, w, l) + integral over wi of f(x, w, wi, l) |cos wi| L(y, -wi, l)
+//!              `- light       `- material         `- geometry finds y
+//! picture(c) = integral over l of response_c(l) L(camera ray, l)
+//!              `- spectrum, camera::Sensor       `- camera, integrator
+//! ```
+//!
+//! (Kajiya 1986), and each factor has its module. The way of a render:
+//! [`scene::file`] (what the JSON says) is resolved into a [`scene::Scene`] (which cannot be
+//! wrong), [`scene::Plan`] says what that scene needs, [`integrator::render`] fills a
+//! [`camera::Film`] in absolute units, [`image`] writes it with its facts and develops it.
+//!
+//! # Words
+//!
+//! * *lane*: one of the wavelengths that a path carries; the *hero* is lane 0.
+//! * *throughput*: what a path has multiplied up so far, per lane.
+//! * *bsdf*, *pdf*: scattering function and density; a pdf is per solid angle unless its
+//!   name says otherwise.
+//! * *delta*: a Dirac delta, stored by its coefficient.
+//! * *scene unit*: a power of two of metres in which everything fits a box of about unit
+//!   size; *luminance* in cd/m2, *radiance* in W sr^-1 m^-2 nm^-1 whatever the scene unit.
+//! * *block*: samples of a pixel that are stratified together; blocks are independent.
+//!
+//! # What it does not do
+//!
+//! No RGB in transport, no polarisation, no fluorescence, no diffraction, no clamping of
+//! bright samples, no fixed epsilon.
+
 pub mod camera;
 pub mod error;
 pub mod geometry;

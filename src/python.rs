@@ -28,7 +28,8 @@ pub const PEERS: Requirements =
 /// that the program was built from.
 pub fn project_root() -> Result<PathBuf> {
     let built_from = env!("CARGO_MANIFEST_DIR");
-    let root = std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(built_from), PathBuf::from);
+    let root =
+        std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(built_from), PathBuf::from);
     if root.join("validation").is_dir() && root.join("reference").is_dir() {
         return Ok(root);
     }
@@ -50,7 +51,8 @@ impl Environment {
     pub fn prepare(requirements: &Requirements) -> Result<Self> {
         let root = project_root()?;
         let file = root.join(requirements.file);
-        let pinned = std::fs::read_to_string(&file).map_err(|e| Error::io(&file, "read the requirements", &e))?;
+        let pinned =
+            std::fs::read_to_string(&file).map_err(|e| Error::io(&file, "read the requirements", &e))?;
         let folder = root.join("target").join(requirements.folder);
         let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
         let stamp = folder.join("requirements.installed");
@@ -58,7 +60,8 @@ impl Environment {
         std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, "make the folder", &e))?;
         // One process at a time: tests and commands may want the environment together.
         let lock_path = folder.with_extension("lock");
-        let lock = std::fs::File::create(&lock_path).map_err(|e| Error::io(&lock_path, "make the lock", &e))?;
+        let lock =
+            std::fs::File::create(&lock_path).map_err(|e| Error::io(&lock_path, "make the lock", &e))?;
         lock.lock().map_err(|e| Error::io(&lock_path, "take the lock", &e))?;
         if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == pinned) {
             return Ok(environment);
@@ -73,8 +76,13 @@ impl Environment {
         let python = ["python3.11", "python3", "python"]
             .into_iter()
             .find(|name| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success()))
-            .ok_or_else(|| Error::new("Python was not found").hint("install Python 3.11 or newer with its venv module"))?;
-        finish(Command::new(python).args(["-m", "venv", "--clear"]).arg(folder), "make the virtual environment")?;
+            .ok_or_else(|| {
+                Error::new("Python was not found").hint("install Python 3.11 or newer with its venv module")
+            })?;
+        finish(
+            Command::new(python).args(["-m", "venv", "--clear"]).arg(folder),
+            "make the virtual environment",
+        )?;
         let mut pip = Command::new(&self.python);
         pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"]).arg(requirements);
         finish(&mut pip, "install the Python requirements")
@@ -95,7 +103,9 @@ impl Environment {
         }
         match child.wait()?.code() {
             Some(0) => Ok(()),
-            Some(2) => Err(Error::new(format!("the harness could not {command}")).hint("see the message above").into()),
+            Some(2) => Err(Error::new(format!("the harness could not {command}"))
+                .hint("see the message above")
+                .into()),
             code => anyhow::bail!("the harness failed to {command} (exit code {code:?})"),
         }
     }
@@ -116,5 +126,6 @@ fn finish(command: &mut Command, what: &str) -> Result<()> {
     }
     let said = String::from_utf8_lossy(&output.stderr);
     let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no message");
-    Err(Error::new(format!("cannot {what}: {last}")).hint("check the network, and that Python has pip and venv"))
+    Err(Error::new(format!("cannot {what}: {last}"))
+        .hint("check the network, and that Python has pip and venv"))
 }

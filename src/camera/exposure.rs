@@ -69,7 +69,13 @@ mod tests {
     use super::*;
 
     fn sunny(anchor: Anchor) -> Exposure {
-        Exposure { iso: Iso(100.0), shutter: Seconds(1.0 / 125.0), f_stop: FStop(16.0), q: STANDARD_Q, anchor }
+        Exposure {
+            iso: Iso(100.0),
+            shutter: Seconds(1.0 / 125.0),
+            f_stop: FStop(16.0),
+            q: STANDARD_Q,
+            anchor,
+        }
     }
 
     /// f/16, 1/125 s, ISO 100: EV 14.966 and 38 400 cd/m2 (ISO 12232 closed forms).

@@ -68,7 +68,13 @@ impl Sensor {
             let inside = |nm: f64| {
                 let x = nm - crate::spectrum::FIRST_NM;
                 // Half weights where two bands share a grid point.
-                if x < from || x > to { 0.0 } else if x == from || x == to { 0.5 / span } else { 1.0 / span }
+                if x < from || x > to {
+                    0.0
+                } else if x == from || x == to {
+                    0.5 / span
+                } else {
+                    1.0 / span
+                }
             };
             self.channels.push(Channel { name: format!("S0.{centre}nm"), response: Dense::from_fn(inside) });
         }

@@ -42,7 +42,11 @@ fn explain(scene: &Scene) -> Result<String, std::fmt::Error> {
         camera(&mut text, view)?;
     }
     if !scene.meters.is_empty() {
-        writeln!(text, "meters     {}", scene.meters.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", "))?;
+        writeln!(
+            text,
+            "meters     {}",
+            scene.meters.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", ")
+        )?;
     }
     if let Some(view) = &scene.view {
         for reason in Plan::of(scene, &view.sensor).reasons {
@@ -104,7 +108,13 @@ fn camera(text: &mut String, view: &View) -> std::fmt::Result {
         exposure.anchor
     )?;
     for (channel, coverage) in view.sensor.channels.iter().skip(3).zip(&view.sensor.coverage) {
-        writeln!(text, "sensor     {} {}: {:.2} % of its response lies within 360-830 nm", view.sensor.name, channel.name, 100.0 * coverage)?;
+        writeln!(
+            text,
+            "sensor     {} {}: {:.2} % of its response lies within 360-830 nm",
+            view.sensor.name,
+            channel.name,
+            100.0 * coverage
+        )?;
     }
     Ok(())
 }

@@ -50,7 +50,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         &arguments.output,
         arguments.png.as_deref(),
     )?;
-    let error = facts.relative_error.map_or_else(String::new, |e| format!(", relative error {:.2} %", 100.0 * e));
+    let error =
+        facts.relative_error.map_or_else(String::new, |e| format!(", relative error {:.2} %", 100.0 * e));
     println!(
         "{}: {} samples per pixel in {:.1} s{error}",
         arguments.output.display(),

@@ -5,7 +5,8 @@ use clap::Args;
 use etalon::error::{Error, Result};
 use etalon::python::Environment;
 use etalon::spectrum::colour::{
-    chromaticity_of, colour_temperature, efficacy_lm_per_w, srgb_encode, xyz_of, xyz_of_grid, xyz_to_linear_srgb,
+    chromaticity_of, colour_temperature, efficacy_lm_per_w, srgb_encode, xyz_of, xyz_of_grid,
+    xyz_to_linear_srgb,
 };
 use etalon::spectrum::library::{self, Entry, Purpose};
 use etalon::spectrum::{Curve, D_NM, grid_nm};
@@ -65,7 +66,11 @@ fn describe(entry: &Entry) -> Result<Vec<String>> {
         }
         "glass" => {
             let index = library::refractive_index(&table)?;
-            lines.push(format!("index      nd = {:.6}, Abbe number {:.3}", index.at(D_NM)?, index.abbe_number()?));
+            lines.push(format!(
+                "index      nd = {:.6}, Abbe number {:.3}",
+                index.at(D_NM)?,
+                index.abbe_number()?
+            ));
         }
         _ => {}
     }
@@ -91,9 +96,10 @@ fn under_equal_energy(curve: &Curve) -> Vec<String> {
     let xyz = xyz_of(curve).map(|c| c / white);
     let srgb = xyz_to_linear_srgb(xyz).map(|c| (255.0 * srgb_encode(c)).round());
     let hex: String = srgb.iter().map(|c| format!("{:02x}", *c as u8)).collect();
-    vec![
-        format!("colour     X {:.5}, Y {:.5}, Z {:.5} under equal energy; sRGB about #{hex}", xyz[0], xyz[1], xyz[2]),
-    ]
+    vec![format!(
+        "colour     X {:.5}, Y {:.5}, Z {:.5} under equal energy; sRGB about #{hex}",
+        xyz[0], xyz[1], xyz[2]
+    )]
 }
 
 fn draw(entry: &Entry, description: &[String], file: &std::path::Path) -> anyhow::Result<()> {

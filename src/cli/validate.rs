@@ -47,7 +47,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         .ok_or_else(|| Error::unknown_name("case", &arguments.case, names()))?;
     let is_peers = name == "peers";
     if let Some(photo) = arguments.photo.as_ref().filter(|photo| !photo.is_file()) {
-        return Err(Error::new("the photograph cannot be found").hint("check the path").in_file(photo).into());
+        return Err(Error::new("the photograph cannot be found")
+            .hint("check the path")
+            .in_file(photo)
+            .into());
     }
     arguments.effort.start_threads()?;
     let case = project_root()?.join("reference").join(folder);
@@ -64,9 +67,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let exr = output.join("render.exr");
     let png = output.join("render.png");
     let facts = render_to_files(&scene, &view, &effort, spp, Layers::default(), &exr, Some(&png))?;
-    print(&format!("rendered {} with {} samples per pixel in {:.1} s", scene.name, facts.samples_per_pixel, facts.seconds));
+    print(&format!(
+        "rendered {} with {} samples per pixel in {:.1} s",
+        scene.name, facts.samples_per_pixel, facts.seconds
+    ));
 
-    let mut words: Vec<&OsStr> = vec!["--case".as_ref(), case.as_os_str(), "--render".as_ref(), exr.as_os_str()];
+    let mut words: Vec<&OsStr> =
+        vec!["--case".as_ref(), case.as_os_str(), "--render".as_ref(), exr.as_os_str()];
     if let Some(photo) = &arguments.photo {
         words.extend([OsStr::new("--photo"), photo.as_os_str()]);
     }

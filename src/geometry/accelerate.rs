@@ -49,10 +49,7 @@ const REINSERTION_SHARE: f32 = 0.15;
 
 impl Geometry {
     pub(crate) fn from_parts(parts: Parts) -> Self {
-        let bounds = parts
-            .primitives
-            .iter()
-            .fold(Bounds::EMPTY, |b, p| b.union(&p.bounds()));
+        let bounds = parts.primitives.iter().fold(Bounds::EMPTY, |b, p| b.union(&p.bounds()));
         let (nodes, order) = build_tree(&parts.primitives, &bounds);
         let mut object_of = vec![0; parts.primitives.len()];
         for (object, range) in parts.objects.iter().enumerate() {
@@ -62,11 +59,8 @@ impl Geometry {
         for (slot, &id) in order.iter().enumerate() {
             slot_of[id as usize] = slot as u32;
         }
-        let slot = |&id: &u32| Slot {
-            primitive: parts.primitives[id as usize],
-            id,
-            object: object_of[id as usize],
-        };
+        let slot =
+            |&id: &u32| Slot { primitive: parts.primitives[id as usize], id, object: object_of[id as usize] };
         Self {
             nodes,
             slots: order.iter().map(slot).collect(),
@@ -90,8 +84,7 @@ impl Geometry {
             if let Some(meeting) = self.meet(slot, &precise) {
                 let closer = match nearest {
                     Some((best, winner)) => {
-                        (meeting.t, self.slots[slot as usize].id)
-                            < (best.t, self.slots[winner as usize].id)
+                        (meeting.t, self.slots[slot as usize].id) < (best.t, self.slots[winner as usize].id)
                     }
                     None => true,
                 };
@@ -112,11 +105,7 @@ impl Geometry {
         let mut met = false;
         self.walk(ray, |slot| {
             met = self.meet(slot, &precise).is_some();
-            if met {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(ray.t_max)
-            }
+            if met { ControlFlow::Break(()) } else { ControlFlow::Continue(ray.t_max) }
         });
         met
     }
@@ -185,12 +174,7 @@ impl Geometry {
         if self.bounds.is_empty() {
             return 0.0;
         }
-        let reach = self
-            .bounds
-            .min
-            .abs()
-            .max(self.bounds.max.abs())
-            .max_element();
+        let reach = self.bounds.min.abs().max(self.bounds.max.abs()).max_element();
         f64::from(reach.next_up() - reach) * self.metres_per_unit
     }
 
@@ -213,20 +197,10 @@ impl Geometry {
 
     #[inline]
     fn hit(&self, ray: &PreciseRay, meeting: &Meeting, slot: u32) -> Hit {
-        let Slot {
-            primitive,
-            id,
-            object,
-        } = &self.slots[slot as usize];
+        let Slot { primitive, id, object } = &self.slots[slot as usize];
         let point = primitive.point(ray, meeting);
         let shading = self.shading_normal(primitive, meeting, point.normal);
-        Hit {
-            t: meeting.t as f32,
-            point,
-            shading: Frame::around(shading),
-            primitive: *id,
-            object: *object,
-        }
+        Hit { t: meeting.t as f32, point, shading: Frame::around(shading), primitive: *id, object: *object }
     }
 
     /// The interpolated vertex normal on the side of the geometric one, or that one itself.
@@ -286,10 +260,7 @@ impl Geometry {
                     ControlFlow::Break(()) => return,
                 }
             }
-            group = UVec2::new(
-                node.child_base_idx,
-                met & 0xff00_0000 | u32::from(node.imask),
-            );
+            group = UVec2::new(node.child_base_idx, met & 0xff00_0000 | u32::from(node.imask));
         }
     }
 }
@@ -339,11 +310,7 @@ fn binary_tree(boxes: &[Aabb]) -> Bvh2 {
         return halved(boxes);
     }
     ReinsertionOptimizer::default().run(&mut clustered, REINSERTION_SHARE, None);
-    if is_shallow(&clustered) {
-        clustered
-    } else {
-        halved(boxes)
-    }
+    if is_shallow(&clustered) { clustered } else { halved(boxes) }
 }
 
 /// Levels of a tree that is safe to walk by recursion.
@@ -351,18 +318,10 @@ const DEEPEST: u32 = 96;
 
 /// How many boxes at most are the same box.
 fn deepest_heap(boxes: &[Aabb]) -> usize {
-    let bits = |b: &Aabb| {
-        (
-            b.min.to_array().map(f32::to_bits),
-            b.max.to_array().map(f32::to_bits),
-        )
-    };
+    let bits = |b: &Aabb| (b.min.to_array().map(f32::to_bits), b.max.to_array().map(f32::to_bits));
     let mut keys: Vec<_> = boxes.iter().map(bits).collect();
     keys.sort_unstable();
-    keys.chunk_by(|a, b| a == b)
-        .map(<[_]>::len)
-        .max()
-        .unwrap_or(0)
+    keys.chunk_by(|a, b| a == b).map(<[_]>::len).max().unwrap_or(0)
 }
 
 fn is_shallow(tree: &Bvh2) -> bool {
@@ -373,10 +332,7 @@ fn is_shallow(tree: &Bvh2) -> bool {
         }
         let node = &tree.nodes[index as usize];
         if !node.is_leaf() {
-            pending.extend([
-                (node.first_index, depth + 1),
-                (node.first_index + 1, depth + 1),
-            ]);
+            pending.extend([(node.first_index, depth + 1), (node.first_index + 1, depth + 1)]);
         }
     }
     true
@@ -408,11 +364,7 @@ fn halved(boxes: &[Aabb]) -> Bvh2 {
         pending.push((children, range.start..range.start + half));
         pending.push((children + 1, range.start + half..range.end));
     }
-    Bvh2 {
-        nodes,
-        primitive_indices: order,
-        ..Bvh2::default()
-    }
+    Bvh2 { nodes, primitive_indices: order, ..Bvh2::default() }
 }
 
 /// A ray as the box test wants it.
@@ -436,14 +388,9 @@ impl BoxRay {
         let size = ray.direction.abs().max(Vec3A::splat(LEAST_COMPONENT));
         let direction = size.copysign(ray.direction);
         let falls = ray.direction.cmplt(Vec3A::ZERO).bitmask();
-        let octant = (u32::from(falls & 1 == 0) << 2)
-            | (u32::from(falls & 2 == 0) << 1)
-            | u32::from(falls & 4 == 0);
-        Self {
-            origin: ray.origin,
-            inverse: direction.recip(),
-            octant: octant * 0x0101_0101,
-        }
+        let octant =
+            (u32::from(falls & 1 == 0) << 2) | (u32::from(falls & 2 == 0) << 1) | u32::from(falls & 4 == 0);
+        Self { origin: ray.origin, inverse: direction.recip(), octant: octant * 0x0101_0101 }
     }
 
     /// Which children of `node` the ray meets before `limit`, in the bit order of the node:
@@ -470,16 +417,8 @@ impl BoxRay {
                 let farthest = f32::from(far[child]) * scale + farthest;
                 // Comparisons, not `max` and `min`: nothing here is NaN, and these are one
                 // instruction.
-                enter[child] = if nearest > enter[child] {
-                    nearest
-                } else {
-                    enter[child]
-                };
-                leave[child] = if farthest < leave[child] {
-                    farthest
-                } else {
-                    leave[child]
-                };
+                enter[child] = if nearest > enter[child] { nearest } else { enter[child] };
+                leave[child] = if farthest < leave[child] { farthest } else { leave[child] };
             }
         }
         let (bits, places) = node.get_child_and_index_bits(self.octant);
@@ -503,11 +442,7 @@ struct Stack {
 impl Stack {
     #[inline]
     fn new() -> Self {
-        Self {
-            top: [UVec2::ZERO; 24],
-            used: 0,
-            spilled: Vec::new(),
-        }
+        Self { top: [UVec2::ZERO; 24], used: 0, spilled: Vec::new() }
     }
 
     #[inline]

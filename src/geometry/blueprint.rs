@@ -34,11 +34,7 @@ pub(crate) enum Blueprint {
 
 impl Blueprint {
     /// A transformed triangle; a mirror swaps two corners, so that it keeps its side.
-    pub fn triangle(
-        mut corners: [DVec3; 3],
-        normals: Option<[DVec3; 3]>,
-        to_world: &Transform,
-    ) -> Self {
+    pub fn triangle(mut corners: [DVec3; 3], normals: Option<[DVec3; 3]>, to_world: &Transform) -> Self {
         let mut normals = normals;
         if to_world.mirrors() {
             corners.swap(1, 2);
@@ -47,10 +43,7 @@ impl Blueprint {
             }
         }
         let unit = |n: DVec3| to_world.normal(n).normalize_or_zero().as_vec3a();
-        Self::Triangle(
-            corners.map(|p| to_world.point(p)),
-            normals.map(|n| n.map(unit)),
-        )
+        Self::Triangle(corners.map(|p| to_world.point(p)), normals.map(|n| n.map(unit)))
     }
 
     /// A transformed parallelogram; a mirror swaps its edges, so that it keeps its side.
@@ -69,9 +62,7 @@ impl Blueprint {
         };
         match *self {
             Self::Triangle(corners, _) => corners.map(|p| bounds.include(p)).into_iter().collect(),
-            Self::Parallelogram(corners) => {
-                corners.map(|p| bounds.include(p)).into_iter().collect()
-            }
+            Self::Parallelogram(corners) => corners.map(|p| bounds.include(p)).into_iter().collect(),
             Self::Sphere { center, radius }
             | Self::Cap { center, radius, .. }
             | Self::Disk { center, radius, .. } => ball(center, radius),
@@ -97,29 +88,19 @@ impl Blueprint {
                     }
                 })
             }
-            Self::Parallelogram(corners) => {
-                Primitive::Parallelogram(Parallelogram::new(corners.map(round))?)
-            }
-            Self::Sphere { center, radius } => {
-                Primitive::Sphere(Sphere::new(round(center), size(radius))?)
-            }
+            Self::Parallelogram(corners) => Primitive::Parallelogram(Parallelogram::new(corners.map(round))?),
+            Self::Sphere { center, radius } => Primitive::Sphere(Sphere::new(round(center), size(radius))?),
             Self::Cylinder { from, to, radius } => {
                 Primitive::Cylinder(Cylinder::new(round(from), round(to), size(radius))?)
             }
-            Self::Cap {
-                center,
-                opposite,
-                radius,
-            } => {
+            Self::Cap { center, opposite, radius } => {
                 // The same rounded ends as the lateral surface has, so that the rims agree.
                 let normal = round(center).as_dvec3() - round(opposite).as_dvec3();
                 Primitive::Disk(Disk::new(round(center), normal, size(radius))?)
             }
-            Self::Disk {
-                center,
-                normal,
-                radius,
-            } => Primitive::Disk(Disk::new(round(center), normal, size(radius))?),
+            Self::Disk { center, normal, radius } => {
+                Primitive::Disk(Disk::new(round(center), normal, size(radius))?)
+            }
         })
     }
 

@@ -13,10 +13,7 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box that holds nothing.
-    pub const EMPTY: Self = Self {
-        min: Vec3A::INFINITY,
-        max: Vec3A::NEG_INFINITY,
-    };
+    pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     /// The smallest `f32` box around the box from `min` to `max`.
     pub(crate) fn around(min: DVec3, max: DVec3) -> Self {
@@ -30,10 +27,7 @@ impl Bounds {
 
     /// The smallest box around both.
     pub fn union(&self, other: &Self) -> Self {
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// Whether nothing is inside.
@@ -43,11 +37,7 @@ impl Bounds {
 
     /// Half the diagonal: the radius of a ball around the box; 0 when empty.
     pub fn radius(&self) -> f32 {
-        if self.is_empty() {
-            0.0
-        } else {
-            (self.max - self.min).length() * 0.5
-        }
+        if self.is_empty() { 0.0 } else { (self.max - self.min).length() * 0.5 }
     }
 
     /// The centre; meaningless when empty.
@@ -67,10 +57,7 @@ pub struct MetreBounds {
 
 impl MetreBounds {
     /// The box that holds nothing.
-    pub const EMPTY: Self = Self {
-        min: DVec3::INFINITY,
-        max: DVec3::NEG_INFINITY,
-    };
+    pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
     /// Grows to hold `point`.
     pub fn include(&mut self, point: DVec3) {
@@ -91,11 +78,7 @@ pub fn unit_scale(bounds: &MetreBounds) -> f64 {
     }
     let below = f64::from_bits(reach.to_bits() & !((1 << MANTISSA_BITS) - 1));
     // The largest power of two has no successor to round up to.
-    if below < reach && below < LARGEST_POWER {
-        2.0 * below
-    } else {
-        below
-    }
+    if below < reach && below < LARGEST_POWER { 2.0 * below } else { below }
 }
 
 /// Explicit mantissa bits of an `f64`.
@@ -108,10 +91,7 @@ mod tests {
     use super::*;
 
     fn scale_of(reach: f64) -> f64 {
-        unit_scale(&MetreBounds {
-            min: DVec3::ZERO,
-            max: DVec3::splat(reach),
-        })
+        unit_scale(&MetreBounds { min: DVec3::ZERO, max: DVec3::splat(reach) })
     }
 
     #[test]

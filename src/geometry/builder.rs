@@ -44,13 +44,7 @@ impl GeometryBuilder {
                 b.add_to(&mut bounds);
                 bounds.min.is_finite() && bounds.max.is_finite()
             });
-            if finite {
-                Ok(())
-            } else {
-                Err(ShapeError::NotFinite {
-                    what: "the placed shape",
-                })
-            }
+            if finite { Ok(()) } else { Err(ShapeError::NotFinite { what: "the placed shape" }) }
         });
         if let Err(error) = placed {
             self.blueprints.truncate(before);
@@ -100,9 +94,7 @@ impl GeometryBuilder {
 
 impl Parts {
     fn add_object(&mut self, blueprints: &[Blueprint]) -> Result<(), ShapeError> {
-        let vanishes = ShapeError::Vanishes {
-            object: self.objects.len() as u32,
-        };
+        let vanishes = ShapeError::Vanishes { object: self.objects.len() as u32 };
         let first = self.primitives.len() as u32;
         for blueprint in blueprints {
             match blueprint.build(self.metres_per_unit, &mut self.normals) {

@@ -21,21 +21,13 @@ impl Frame {
     #[inline]
     pub fn around(normal: Vec3A) -> Self {
         let (tangent, bitangent) = normal.any_orthonormal_pair();
-        Self {
-            tangent,
-            bitangent,
-            normal,
-        }
+        Self { tangent, bitangent, normal }
     }
 
     /// World coordinates to local ones.
     #[inline]
     pub fn to_local(&self, world: Vec3A) -> Vec3A {
-        Vec3A::new(
-            world.dot(self.tangent),
-            world.dot(self.bitangent),
-            world.dot(self.normal),
-        )
+        Vec3A::new(world.dot(self.tangent), world.dot(self.bitangent), world.dot(self.normal))
     }
 
     /// Local coordinates to world ones.

@@ -19,28 +19,17 @@ impl Mesh {
     pub fn check(&self) -> Result<(), ShapeError> {
         let vertices = self.positions.len();
         if !self.positions.iter().all(|p| p.is_finite()) {
-            return Err(ShapeError::NotFinite {
-                what: "every vertex of the mesh",
-            });
+            return Err(ShapeError::NotFinite { what: "every vertex of the mesh" });
         }
         if !self.normals.iter().all(|n| n.is_finite()) {
-            return Err(ShapeError::NotFinite {
-                what: "every normal of the mesh",
-            });
+            return Err(ShapeError::NotFinite { what: "every normal of the mesh" });
         }
         if !self.normals.is_empty() && self.normals.len() != vertices {
-            return Err(ShapeError::NormalCount {
-                vertices,
-                normals: self.normals.len(),
-            });
+            return Err(ShapeError::NormalCount { vertices, normals: self.normals.len() });
         }
         for (triangle, corners) in self.triangles.iter().enumerate() {
             if let Some(&index) = corners.iter().find(|&&index| index as usize >= vertices) {
-                return Err(ShapeError::NoSuchVertex {
-                    triangle,
-                    index,
-                    vertices,
-                });
+                return Err(ShapeError::NoSuchVertex { triangle, index, vertices });
             }
         }
         Ok(())

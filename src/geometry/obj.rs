@@ -14,11 +14,8 @@ const PASSED_OVER: [&str; 9] = ["vt", "vp", "g", "o", "s", "usemtl", "mtllib", "
 
 /// Reads an OBJ file; polygons become fans of triangles around their first vertex.
 pub fn read_obj(path: &Path) -> Result<Mesh, MeshFileError> {
-    let bytes = std::fs::read(path).map_err(|e| MeshFileError {
-        file: path.into(),
-        line: None,
-        what: e.into(),
-    })?;
+    let bytes =
+        std::fs::read(path).map_err(|e| MeshFileError { file: path.into(), line: None, what: e.into() })?;
     parse_obj(path, &bytes)
 }
 
@@ -34,11 +31,7 @@ pub fn parse_obj(name: &Path, bytes: &[u8]) -> Result<Mesh, MeshFileError> {
         })?;
     }
     if reader.mesh.triangles.is_empty() {
-        return Err(MeshFileError {
-            file: name.into(),
-            line: None,
-            what: MeshFault::Empty,
-        });
+        return Err(MeshFileError { file: name.into(), line: None, what: MeshFault::Empty });
     }
     if !reader.any_normals {
         reader.mesh.normals.clear();
@@ -79,9 +72,7 @@ impl ObjReader {
         }
         if self.polygon.len() < 3 {
             let found = self.polygon.len();
-            return Err(MeshFault::Syntax(format!(
-                "a face needs 3 vertices, found {found}"
-            )));
+            return Err(MeshFault::Syntax(format!("a face needs 3 vertices, found {found}")));
         }
         self.mesh.push_polygon(&self.polygon);
         Ok(())
@@ -100,9 +91,7 @@ impl ObjReader {
         let vertex = *self.vertices.entry((position, normal)).or_insert(next);
         if vertex == next {
             self.mesh.positions.push(self.positions[position]);
-            self.mesh
-                .normals
-                .push(normal.map_or(DVec3::ZERO, |index| self.normals[index]));
+            self.mesh.normals.push(normal.map_or(DVec3::ZERO, |index| self.normals[index]));
             self.any_normals |= normal.is_some();
         }
         Ok(vertex)
@@ -111,37 +100,21 @@ impl ObjReader {
 
 /// An index as written, from 1, or negative from the end, as one from 0.
 fn resolve(text: &str, count: usize) -> Result<usize, MeshFault> {
-    let index: i64 = text
-        .parse()
-        .map_err(|_| MeshFault::Syntax(format!("\"{text}\" is not a vertex number")))?;
+    let index: i64 =
+        text.parse().map_err(|_| MeshFault::Syntax(format!("\"{text}\" is not a vertex number")))?;
     let from_zero = match index {
         1.. => usize::try_from(index - 1).ok(),
         0 => None,
-        _ => usize::try_from(index.unsigned_abs())
-            .ok()
-            .and_then(|back| count.checked_sub(back)),
+        _ => usize::try_from(index.unsigned_abs()).ok().and_then(|back| count.checked_sub(back)),
     };
-    from_zero
-        .filter(|&found| found < count)
-        .ok_or(MeshFault::NoSuchVertex {
-            index,
-            vertices: count,
-        })
+    from_zero.filter(|&found| found < count).ok_or(MeshFault::NoSuchVertex { index, vertices: count })
 }
 
 fn vector<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<DVec3, MeshFault> {
     let mut vector = DVec3::ZERO;
     for axis in 0..3 {
-        let word = words
-            .next()
-            .ok_or_else(|| MeshFault::Syntax("three coordinates are needed".into()))?;
-        vector[axis] = word
-            .parse()
-            .map_err(|_| MeshFault::Syntax(format!("\"{word}\" is not a number")))?;
+        let word = words.next().ok_or_else(|| MeshFault::Syntax("three coordinates are needed".into()))?;
+        vector[axis] = word.parse().map_err(|_| MeshFault::Syntax(format!("\"{word}\" is not a number")))?;
     }
-    if vector.is_finite() {
-        Ok(vector)
-    } else {
-        Err(MeshFault::NotFinite)
-    }
+    if vector.is_finite() { Ok(vector) } else { Err(MeshFault::NotFinite) }
 }

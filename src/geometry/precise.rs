@@ -99,11 +99,7 @@ impl PreciseRay {
 
     /// The nearer of two distances that counts, if any does.
     #[inline]
-    pub(crate) fn first_of(
-        &self,
-        roots: (f64, f64),
-        counts: impl Fn(f64) -> bool,
-    ) -> Option<Meeting> {
+    pub(crate) fn first_of(&self, roots: (f64, f64), counts: impl Fn(f64) -> bool) -> Option<Meeting> {
         let meeting = |t| Meeting { t, u: 0.0, v: 0.0 };
         if self.reaches(roots.0) && counts(roots.0) {
             Some(meeting(roots.0))
@@ -134,11 +130,7 @@ pub(crate) fn round_roots(offset: DVec3, direction: DVec3, radius: f64) -> Optio
     let c = offset.length_squared() - radius * radius;
     let q = b + (a * discriminant).sqrt().copysign(b);
     let (first, second) = (c / q, q / a);
-    Some(if first < second {
-        (first, second)
-    } else {
-        (second, first)
-    })
+    Some(if first < second { (first, second) } else { (second, first) })
 }
 
 impl SurfacePoint {
@@ -161,9 +153,5 @@ impl SurfacePoint {
 #[inline]
 pub(crate) fn round_up(x: f64) -> f32 {
     let rounded = x as f32;
-    if f64::from(rounded) < x {
-        rounded.next_up()
-    } else {
-        rounded
-    }
+    if f64::from(rounded) < x { rounded.next_up() } else { rounded }
 }

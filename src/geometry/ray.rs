@@ -18,11 +18,7 @@ impl Ray {
     /// A half line from `origin` along the unit vector `direction`.
     #[inline]
     pub const fn new(origin: Vec3A, direction: Vec3A) -> Self {
-        Self {
-            origin,
-            direction,
-            t_max: f32::INFINITY,
-        }
+        Self { origin, direction, t_max: f32::INFINITY }
     }
 }
 
@@ -88,11 +84,7 @@ impl SurfacePoint {
         let offset = self.normal * distance.copysign(self.normal.dot(direction));
         let moved = self.position + offset;
         // Round each coordinate away from the surface: the sum above may have rounded back.
-        Vec3A::new(
-            away(moved.x, offset.x),
-            away(moved.y, offset.y),
-            away(moved.z, offset.z),
-        )
+        Vec3A::new(away(moved.x, offset.x), away(moved.y, offset.y), away(moved.z, offset.z))
     }
 }
 

@@ -57,24 +57,13 @@ const PARALLELOGRAM_SLACK: f64 = 1.0 / (1u64 << 40) as f64;
 
 impl Shape {
     /// Checks the shape and appends its pieces, placed by `to_world`.
-    pub(crate) fn place(
-        &self,
-        to_world: &Transform,
-        out: &mut Vec<Blueprint>,
-    ) -> Result<(), ShapeError> {
+    pub(crate) fn place(&self, to_world: &Transform, out: &mut Vec<Blueprint>) -> Result<(), ShapeError> {
         match self {
             Self::Sphere { center, radius } => sphere(*center, *radius, to_world, out),
-            Self::Cylinder {
-                from,
-                to,
-                radius,
-                capped,
-            } => cylinder([*from, *to], *radius, *capped, to_world, out),
-            Self::Disk {
-                center,
-                normal,
-                radius,
-            } => disk(*center, *normal, *radius, to_world, out),
+            Self::Cylinder { from, to, radius, capped } => {
+                cylinder([*from, *to], *radius, *capped, to_world, out)
+            }
+            Self::Disk { center, normal, radius } => disk(*center, *normal, *radius, to_world, out),
             Self::Quad { vertices } => quad(vertices, to_world, out),
             Self::Box { min, max } => cuboid(*min, *max, to_world, out),
             Self::Mesh(mesh) => triangles(mesh, to_world, out),
@@ -91,10 +80,7 @@ fn sphere(
     finite("the centre of the sphere", center)?;
     positive("the radius of the sphere", radius)?;
     let scale = similarity("sphere", to_world)?;
-    out.push(Blueprint::Sphere {
-        center: to_world.point(center),
-        radius: radius * scale,
-    });
+    out.push(Blueprint::Sphere { center: to_world.point(center), radius: radius * scale });
     Ok(())
 }
 
@@ -111,22 +97,12 @@ fn cylinder(
     let [from, to] = [to_world.point(from), to_world.point(to)];
     let radius = radius * scale;
     if from == to {
-        return Err(ShapeError::NoExtent {
-            what: "the axis of the cylinder",
-        });
+        return Err(ShapeError::NoExtent { what: "the axis of the cylinder" });
     }
     out.push(Blueprint::Cylinder { from, to, radius });
     if capped {
-        out.push(Blueprint::Cap {
-            center: from,
-            opposite: to,
-            radius,
-        });
-        out.push(Blueprint::Cap {
-            center: to,
-            opposite: from,
-            radius,
-        });
+        out.push(Blueprint::Cap { center: from, opposite: to, radius });
+        out.push(Blueprint::Cap { center: to, opposite: from, radius });
     }
     Ok(())
 }
@@ -143,32 +119,19 @@ fn disk(
     positive("the radius of the disk", radius)?;
     let scale = similarity("disk", to_world)?;
     if normal == DVec3::ZERO {
-        return Err(ShapeError::NoExtent {
-            what: "the normal of the disk",
-        });
+        return Err(ShapeError::NoExtent { what: "the normal of the disk" });
     }
     let normal = to_world.normal(normal / normal.abs().max_element());
-    out.push(Blueprint::Disk {
-        center: to_world.point(center),
-        normal,
-        radius: radius * scale,
-    });
+    out.push(Blueprint::Disk { center: to_world.point(center), normal, radius: radius * scale });
     Ok(())
 }
 
-fn quad(
-    vertices: &[DVec3; 4],
-    to_world: &Transform,
-    out: &mut Vec<Blueprint>,
-) -> Result<(), ShapeError> {
+fn quad(vertices: &[DVec3; 4], to_world: &Transform, out: &mut Vec<Blueprint>) -> Result<(), ShapeError> {
     for &vertex in vertices {
         finite("every vertex of the quad", vertex)?;
     }
     let [a, b, c, d] = *vertices;
-    let reach = vertices
-        .iter()
-        .fold(DVec3::ZERO, |reach, v| reach.max(v.abs()))
-        .max_element();
+    let reach = vertices.iter().fold(DVec3::ZERO, |reach, v| reach.max(v.abs())).max_element();
     let bend = (a - b + c - d).abs().max_element();
     if bend <= PARALLELOGRAM_SLACK * reach {
         if (b - a).cross(d - a) == DVec3::ZERO {
@@ -195,12 +158,7 @@ fn halves(&[a, b, c, d]: &[DVec3; 4]) -> Result<[[DVec3; 3]; 2], ShapeError> {
         .ok_or(ShapeError::CrossedQuad)
 }
 
-fn cuboid(
-    min: DVec3,
-    max: DVec3,
-    to_world: &Transform,
-    out: &mut Vec<Blueprint>,
-) -> Result<(), ShapeError> {
+fn cuboid(min: DVec3, max: DVec3, to_world: &Transform, out: &mut Vec<Blueprint>) -> Result<(), ShapeError> {
     finite("the corners of the box", min + max)?;
     for (what, size) in [
         ("the size of the box along x", max.x - min.x),
@@ -212,11 +170,7 @@ fn cuboid(
     // Bit 0, 1, 2 of a corner's number: high in x, y, z.
     let corner = |number: usize| {
         let high = |axis: usize| {
-            if number >> axis & 1 == 1 {
-                max[axis]
-            } else {
-                min[axis]
-            }
+            if number >> axis & 1 == 1 { max[axis] } else { min[axis] }
         };
         DVec3::new(high(0), high(1), high(2))
     };
@@ -227,20 +181,10 @@ fn cuboid(
 }
 
 /// Corners of the faces of a box, counter-clockwise seen from outside: -x, +x, -y, +y, -z, +z.
-const BOX_FACES: [[usize; 4]; 6] = [
-    [0, 4, 6, 2],
-    [1, 3, 7, 5],
-    [0, 1, 5, 4],
-    [2, 6, 7, 3],
-    [0, 2, 3, 1],
-    [4, 5, 7, 6],
-];
+const BOX_FACES: [[usize; 4]; 6] =
+    [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
-fn triangles(
-    mesh: &Mesh,
-    to_world: &Transform,
-    out: &mut Vec<Blueprint>,
-) -> Result<(), ShapeError> {
+fn triangles(mesh: &Mesh, to_world: &Transform, out: &mut Vec<Blueprint>) -> Result<(), ShapeError> {
     mesh.check()?;
     if mesh.triangles.is_empty() {
         return Err(ShapeError::NoExtent { what: "the mesh" });
@@ -248,21 +192,13 @@ fn triangles(
     for corners in &mesh.triangles {
         let corners = corners.map(|index| index as usize);
         let normals = (!mesh.normals.is_empty()).then(|| corners.map(|i| mesh.normals[i]));
-        out.push(Blueprint::triangle(
-            corners.map(|i| mesh.positions[i]),
-            normals,
-            to_world,
-        ));
+        out.push(Blueprint::triangle(corners.map(|i| mesh.positions[i]), normals, to_world));
     }
     Ok(())
 }
 
 fn finite(what: &'static str, value: DVec3) -> Result<(), ShapeError> {
-    if value.is_finite() {
-        Ok(())
-    } else {
-        Err(ShapeError::NotFinite { what })
-    }
+    if value.is_finite() { Ok(()) } else { Err(ShapeError::NotFinite { what }) }
 }
 
 fn positive(what: &'static str, value: f64) -> Result<(), ShapeError> {
@@ -276,7 +212,5 @@ fn positive(what: &'static str, value: f64) -> Result<(), ShapeError> {
 }
 
 fn similarity(shape: &'static str, to_world: &Transform) -> Result<f64, ShapeError> {
-    to_world
-        .similarity()
-        .ok_or(ShapeError::NotASimilarity { shape })
+    to_world.similarity().ok_or(ShapeError::NotASimilarity { shape })
 }

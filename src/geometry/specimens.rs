@@ -7,78 +7,33 @@ use glam::DVec3;
 /// name for failure messages.
 pub fn specimens() -> Vec<(&'static str, Shape)> {
     let p = DVec3::new;
-    let capped = |capped| Shape::Cylinder {
-        from: p(-0.3, 0.1, -0.4),
-        to: p(0.5, 0.4, 0.3),
-        radius: 0.35,
-        capped,
-    };
+    let capped =
+        |capped| Shape::Cylinder { from: p(-0.3, 0.1, -0.4), to: p(0.5, 0.4, 0.3), radius: 0.35, capped };
     vec![
-        (
-            "sphere",
-            Shape::Sphere {
-                center: p(0.1, -0.2, 0.3),
-                radius: 0.7,
-            },
-        ),
+        ("sphere", Shape::Sphere { center: p(0.1, -0.2, 0.3), radius: 0.7 }),
         ("open cylinder", capped(false)),
         ("capped cylinder", capped(true)),
-        (
-            "disk",
-            Shape::Disk {
-                center: p(0.2, 0.1, -0.3),
-                normal: p(1.0, 2.0, -0.5),
-                radius: 0.6,
-            },
-        ),
-        (
-            "level disk",
-            Shape::Disk {
-                center: p(0.2, 0.1, -0.3),
-                normal: p(0.0, 0.0, 1.0),
-                radius: 0.6,
-            },
-        ),
+        ("disk", Shape::Disk { center: p(0.2, 0.1, -0.3), normal: p(1.0, 2.0, -0.5), radius: 0.6 }),
+        ("level disk", Shape::Disk { center: p(0.2, 0.1, -0.3), normal: p(0.0, 0.0, 1.0), radius: 0.6 }),
         (
             "parallelogram",
             Shape::Quad {
-                vertices: [
-                    p(-0.5, -0.4, 0.1),
-                    p(0.4, -0.5, 0.3),
-                    p(0.7, 0.4, 0.5),
-                    p(-0.2, 0.5, 0.3),
-                ],
+                vertices: [p(-0.5, -0.4, 0.1), p(0.4, -0.5, 0.3), p(0.7, 0.4, 0.5), p(-0.2, 0.5, 0.3)],
             },
         ),
         (
             "level square",
             Shape::Quad {
-                vertices: [
-                    p(0.0, 0.0, 0.6),
-                    p(1.0, 0.0, 0.6),
-                    p(1.0, 1.0, 0.6),
-                    p(0.0, 1.0, 0.6),
-                ],
+                vertices: [p(0.0, 0.0, 0.6), p(1.0, 0.0, 0.6), p(1.0, 1.0, 0.6), p(0.0, 1.0, 0.6)],
             },
         ),
         (
             "irregular quad",
             Shape::Quad {
-                vertices: [
-                    p(0.0, 0.0, 0.0),
-                    p(0.9, 0.1, 0.0),
-                    p(0.6, 0.7, 0.0),
-                    p(0.1, 0.5, 0.0),
-                ],
+                vertices: [p(0.0, 0.0, 0.0), p(0.9, 0.1, 0.0), p(0.6, 0.7, 0.0), p(0.1, 0.5, 0.0)],
             },
         ),
-        (
-            "box",
-            Shape::Box {
-                min: p(-0.4, -0.3, 0.1),
-                max: p(0.5, 0.7, 0.9),
-            },
-        ),
+        ("box", Shape::Box { min: p(-0.4, -0.3, 0.1), max: p(0.5, 0.7, 0.9) }),
         ("icosphere", Shape::Mesh(icosphere(2))),
     ]
 }
@@ -88,25 +43,15 @@ pub fn specimens() -> Vec<(&'static str, Shape)> {
 pub fn icosphere(level: u32) -> Mesh {
     let golden = 0.5 * (1.0 + 5f64.sqrt());
     let mut positions = Vec::new();
-    for (a, b) in [
-        (1.0, golden),
-        (-1.0, golden),
-        (1.0, -golden),
-        (-1.0, -golden),
-    ] {
-        positions
-            .extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]].map(|v| DVec3::from(v).normalize()));
+    for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
+        positions.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]].map(|v| DVec3::from(v).normalize()));
     }
     let mut triangles = hull_of_icosahedron(&positions);
     for _ in 0..level {
         triangles = subdivide(&mut positions, &triangles);
     }
     let normals = positions.clone();
-    Mesh {
-        positions,
-        normals,
-        triangles,
-    }
+    Mesh { positions, normals, triangles }
 }
 
 /// Every three mutually adjacent vertices, counter-clockwise from outside.

@@ -20,9 +20,7 @@ impl Default for Transform {
 
 impl Transform {
     /// Leaves everything where it is.
-    pub const IDENTITY: Self = Self {
-        affine: DAffine3::IDENTITY,
-    };
+    pub const IDENTITY: Self = Self { affine: DAffine3::IDENTITY };
 
     /// Moves by `offset`.
     pub fn translate(offset: DVec3) -> Result<Self, ShapeError> {
@@ -33,17 +31,12 @@ impl Transform {
     /// seen against the axis. Multiples of 90 degrees around a coordinate axis are exact.
     pub fn rotate(axis: DVec3, degrees: f64) -> Result<Self, ShapeError> {
         if !(axis.is_finite() && degrees.is_finite()) {
-            return Err(ShapeError::NotFinite {
-                what: "the rotation",
-            });
+            return Err(ShapeError::NotFinite { what: "the rotation" });
         }
         // Dividing by the largest component first keeps huge and tiny axes in range.
-        let axis =
-            (axis / axis.abs().max_element())
-                .try_normalize()
-                .ok_or(ShapeError::NoExtent {
-                    what: "the rotation axis",
-                })?;
+        let axis = (axis / axis.abs().max_element())
+            .try_normalize()
+            .ok_or(ShapeError::NoExtent { what: "the rotation axis" })?;
         let (sin, cos) = sin_cos_degrees(degrees);
         let cross = |v: DVec3| axis.cross(v) * sin + axis * axis.dot(v) * (1.0 - cos) + v * cos;
         let matrix = DMat3::from_cols(cross(DVec3::X), cross(DVec3::Y), cross(DVec3::Z));
@@ -71,8 +64,7 @@ impl Transform {
 
     /// All transforms of a list, the first one applied first.
     pub fn in_order(list: &[Self]) -> Result<Self, ShapeError> {
-        list.iter()
-            .try_fold(Self::IDENTITY, |so_far, next| so_far.then(next))
+        list.iter().try_fold(Self::IDENTITY, |so_far, next| so_far.then(next))
     }
 
     /// Where a point goes.
@@ -92,11 +84,7 @@ impl Transform {
     pub fn normal(&self, normal: DVec3) -> DVec3 {
         // The cofactor matrix: the inverse transpose times the determinant, whose sign is
         // taken out again so that a mirror keeps the side.
-        let DMat3 {
-            x_axis: x,
-            y_axis: y,
-            z_axis: z,
-        } = self.affine.matrix3;
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.affine.matrix3;
         let cofactor = y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z;
         if self.mirrors() { -cofactor } else { cofactor }
     }
@@ -109,24 +97,18 @@ impl Transform {
 
     /// The factor by which all lengths grow; `None` when directions differ.
     pub fn similarity(&self) -> Option<f64> {
-        let DMat3 {
-            x_axis: x,
-            y_axis: y,
-            z_axis: z,
-        } = self.affine.matrix3;
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.affine.matrix3;
         let square = x.length_squared();
         let slack = SIMILARITY_SLACK * square;
-        let equal = (y.length_squared() - square).abs() <= slack
-            && (z.length_squared() - square).abs() <= slack;
+        let equal =
+            (y.length_squared() - square).abs() <= slack && (z.length_squared() - square).abs() <= slack;
         let right = x.dot(y).abs().max(y.dot(z).abs()).max(z.dot(x).abs()) <= slack;
         (equal && right).then(|| square.sqrt())
     }
 
     fn checked(affine: DAffine3) -> Result<Self, ShapeError> {
         if !affine.is_finite() {
-            return Err(ShapeError::NotFinite {
-                what: "the transform",
-            });
+            return Err(ShapeError::NotFinite { what: "the transform" });
         }
         if affine.matrix3.determinant() == 0.0 {
             return Err(ShapeError::Singular);

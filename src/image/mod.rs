@@ -18,7 +18,8 @@ use std::path::Path;
 fn write_whole(path: &Path, write: impl FnOnce(&Path) -> std::result::Result<(), String>) -> Result<()> {
     let name = path.file_name().ok_or_else(|| Error::new("the output path names no file").in_file(path))?;
     let temporary = path.with_file_name(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
-    let written = write(&temporary).and_then(|()| std::fs::rename(&temporary, path).map_err(|e| e.to_string()));
+    let written =
+        write(&temporary).and_then(|()| std::fs::rename(&temporary, path).map_err(|e| e.to_string()));
     written.map_err(|reason| {
         // Nothing more can be done about a leftover that cannot be removed either.
         let _ = std::fs::remove_file(&temporary);

@@ -70,7 +70,14 @@ pub(super) fn render(
             break;
         }
         let size = block_size(budget).min(budget.samples_per_pixel - film.samples_per_pixel()) as u32;
-        render_block(tracer, view, plan, &mut film, &BlockOf { seed: budget.seed, number: block, size }, progress);
+        render_block(
+            tracer,
+            view,
+            plan,
+            &mut film,
+            &BlockOf { seed: budget.seed, number: block, size },
+            progress,
+        );
         film.finish_block(size);
         block += 1;
         progress.block(budget, started, &film);

@@ -44,7 +44,11 @@ pub struct PointLight {
 }
 
 impl PointLight {
-    pub(super) fn sample_towards(&self, from: &SurfacePoint, wavelengths: &Wavelengths) -> Option<LightSample> {
+    pub(super) fn sample_towards(
+        &self,
+        from: &SurfacePoint,
+        wavelengths: &Wavelengths,
+    ) -> Option<LightSample> {
         let shadow_ray = from.ray_to_position(self.position)?;
         let span = self.position - from.position;
         let share = self.distribution.towards(-shadow_ray.direction);

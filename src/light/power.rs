@@ -64,7 +64,9 @@ pub fn resolve(spectrum: &Curve, level: &LevelFile, shape: EmitterShape) -> Resu
     };
     let radiance: Vec<f32> = values.iter().map(|v| (v * factor) as f32).collect();
     if radiance.iter().any(|v| !v.is_finite()) {
-        return Err(Error::new("this emitter is too bright for 32-bit numbers").hint("check the unit of the level"));
+        return Err(
+            Error::new("this emitter is too bright for 32-bit numbers").hint("check the unit of the level")
+        );
     }
     Ok(Dense::from_values(&radiance))
 }
@@ -131,7 +133,9 @@ fn luminance_of_shape(spectrum: &Curve) -> Result<f64> {
 
 fn in_band(spectrum: &Curve, band: BandFile) -> Result<f64> {
     let integral = match band {
-        BandFile::Range([from, to]) if from > 0.0 && to > from && to.is_finite() => spectrum.integral(from, to),
+        BandFile::Range([from, to]) if from > 0.0 && to > from && to.is_finite() => {
+            spectrum.integral(from, to)
+        }
         BandFile::Range([from, to]) => {
             return Err(Error::new(format!("the band from {from} to {to} nm is empty"))
                 .hint("give two rising wavelengths, such as [360, 830]"));
@@ -195,8 +199,6 @@ pub fn check_level(level: &LevelFile) -> Result<()> {
     };
     match values.iter().find(|(_, v)| !(*v >= 0.0 && v.is_finite())) {
         None => Ok(()),
-        Some((key, value)) => {
-            Err(Error::new(format!("{key} = {value} is not a finite number from 0 up")))
-        }
+        Some((key, value)) => Err(Error::new(format!("{key} = {value} is not a finite number from 0 up"))),
     }
 }

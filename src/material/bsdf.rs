@@ -3,8 +3,7 @@
 use glam::Vec3A;
 
 use super::{
-    Ggx, Interface, Lambertian, Mirror, RoughConductor, RoughDielectric, SmoothConductor,
-    SmoothDielectric,
+    Ggx, Interface, Lambertian, Mirror, RoughConductor, RoughDielectric, SmoothConductor, SmoothDielectric,
 };
 use crate::spectrum::Spectrum;
 
@@ -56,14 +55,7 @@ impl BsdfSample {
     pub(super) fn of_lobe(wi: Vec3A, judged: BsdfValue, is_transmission: bool) -> Option<Self> {
         let BsdfValue { value, pdf } = judged;
         let drawable = pdf.hero() > 0.0 && wi.is_finite();
-        drawable.then_some(Self {
-            wi,
-            value,
-            pdf,
-            is_delta: false,
-            is_transmission,
-            hero_only: false,
-        })
+        drawable.then_some(Self { wi, value, pdf, is_delta: false, is_transmission, hero_only: false })
     }
 
     /// The same draw for the hero alone.
@@ -119,9 +111,7 @@ impl Bsdf {
             Self::Lambertian(model) => model.evaluate(wo, wi),
             Self::RoughDielectric(model) => model.evaluate(wo, wi, quantity),
             Self::RoughConductor(model) => model.evaluate(wo, wi),
-            Self::Mirror(_) | Self::SmoothDielectric(_) | Self::SmoothConductor(_) => {
-                BsdfValue::ZERO
-            }
+            Self::Mirror(_) | Self::SmoothDielectric(_) | Self::SmoothConductor(_) => BsdfValue::ZERO,
         }
     }
 
@@ -139,13 +129,7 @@ impl Bsdf {
     /// reflection and transmission, `u` the direction within.
     ///
     /// Within a lobe the map is continuous and one to one. `None`: the path ends here.
-    pub fn sample(
-        &self,
-        wo: Vec3A,
-        u_lobe: f32,
-        u: [f32; 2],
-        quantity: Quantity,
-    ) -> Option<BsdfSample> {
+    pub fn sample(&self, wo: Vec3A, u_lobe: f32, u: [f32; 2], quantity: Quantity) -> Option<BsdfSample> {
         match self {
             Self::Lambertian(model) => model.sample(wo, u),
             Self::Mirror(model) => model.sample(wo),

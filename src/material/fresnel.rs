@@ -42,10 +42,7 @@ pub fn dielectric(cos_i: f64, excess: f64) -> Shares {
     let p = (eta_squared * c + q) * (eta_squared * c + q);
     let r_s = m / s;
     let r_p = m * ((2.0 + m) * (c * c) - 1.0) / p;
-    Shares {
-        reflected: 0.5 * (r_s * r_s + r_p * r_p),
-        crossing: 2.0 * c * q * (1.0 / s + eta_squared / p),
-    }
+    Shares { reflected: 0.5 * (r_s * r_s + r_p * r_p), crossing: 2.0 * c * q * (1.0 / s + eta_squared / p) }
 }
 
 /// A boundary from a transparent medium to a metal of relative index n + ik.

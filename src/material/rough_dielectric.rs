@@ -53,18 +53,11 @@ impl RoughDielectric {
 
     fn reflection(&self, seen: &Interface, wo: Vec3A, wi: Vec3A) -> BsdfValue {
         let Some(reflection) = self.facets.reflection(wo, wi) else { return BsdfValue::ZERO };
-        let shares =
-            Spectrum::from_fn(|lane| seen.shares(lane, reflection.cos_facet).reflected as f32);
+        let shares = Spectrum::from_fn(|lane| seen.shares(lane, reflection.cos_facet).reflected as f32);
         BsdfValue { value: shares * reflection.value, pdf: shares * reflection.pdf }
     }
 
-    fn transmission(
-        &self,
-        seen: &Interface,
-        wo: Vec3A,
-        wi: Vec3A,
-        quantity: Quantity,
-    ) -> BsdfValue {
+    fn transmission(&self, seen: &Interface, wo: Vec3A, wi: Vec3A, quantity: Quantity) -> BsdfValue {
         let shadowing = self.facets.through_over_cos(wo, wi);
         let visible = self.facets.visible_over_density(wo);
         let mut both = BsdfValue::ZERO;

@@ -20,9 +20,7 @@ pub struct SmoothConductor {
 impl SmoothConductor {
     /// Reflected share per lane; `cos_i` is the positive cosine to the facet.
     pub(super) fn reflected(&self, cos_i: f32) -> Spectrum {
-        self.n.zip(self.k, |n, k| {
-            fresnel::conductor(cos_i.into(), n.into(), k.into()).reflected as f32
-        })
+        self.n.zip(self.k, |n, k| fresnel::conductor(cos_i.into(), n.into(), k.into()).reflected as f32)
     }
 
     pub(super) fn sample(&self, wo: Vec3A) -> Option<BsdfSample> {

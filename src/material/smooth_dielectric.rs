@@ -39,8 +39,9 @@ impl SmoothDielectric {
         let transmitted = Spectrum::from_fn(|lane| shares[lane].crossing as f32);
         let value = match quantity {
             Quantity::Importance => transmitted,
-            Quantity::Radiance => transmitted
-                .zip(Spectrum::from_fn(|lane| seen.eta(lane)), |share, eta| share / (eta * eta)),
+            Quantity::Radiance => {
+                transmitted.zip(Spectrum::from_fn(|lane| seen.eta(lane)), |share, eta| share / (eta * eta))
+            }
         };
         let wi = upright.turn(refracted(upright.turn(wo), &seen)?);
         let together = sample(wi, value, transmitted);

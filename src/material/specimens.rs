@@ -9,8 +9,7 @@ pub fn specimens() -> Vec<(&'static str, Bsdf)> {
     // Dense flint, exaggerated: hero in the middle of the visible range.
     let flint = Interface::new(Spectrum([1.62, 1.66, 1.64, 1.61, 1.60, 1.59, 1.65, 1.63]));
     // Two media whose indices cross, and meet at the hero.
-    let crossing =
-        Interface::from_excess(Spectrum([0.0, -0.02, -0.01, -1e-7, 1e-7, 0.01, 0.02, 0.03]));
+    let crossing = Interface::from_excess(Spectrum([0.0, -0.02, -0.01, -1e-7, 1e-7, 0.01, 0.02, 0.03]));
     let ramp = Spectrum([0.5, 0.1, 0.9, 0.3, 0.7, 0.0, 1.0, 0.2]);
     let gold = Spectrum([0.25, 1.4, 0.9, 0.35, 0.2, 0.18, 1.3, 0.5]);
     let gold_k = Spectrum([2.8, 1.9, 1.8, 2.5, 3.1, 3.6, 1.85, 2.2]);

@@ -117,7 +117,8 @@ mod tests {
     #[test]
     fn names_are_independent() {
         const BLOCKS: u32 = 40_000;
-        let names = [(Stream::Pixel, 0), (Stream::LightPoint, 0), (Stream::Direction, 1), (Stream::Direction, 2)];
+        let names =
+            [(Stream::Pixel, 0), (Stream::LightPoint, 0), (Stream::Direction, 1), (Stream::Direction, 2)];
         for (i, a) in names.iter().enumerate() {
             for b in &names[..i] {
                 let mut sum = 0.0;
@@ -140,7 +141,8 @@ mod tests {
     fn names_are_independent_within_a_block() {
         const SIZE: u32 = 256;
         const BLOCKS: u32 = 400;
-        let names = [(Stream::Pixel, 0), (Stream::LightPoint, 0), (Stream::Direction, 1), (Stream::Roulette, 2)];
+        let names =
+            [(Stream::Pixel, 0), (Stream::LightPoint, 0), (Stream::Direction, 1), (Stream::Roulette, 2)];
         for (i, a) in names.iter().enumerate() {
             for b in &names[..i] {
                 let mut sum = 0.0;
@@ -154,7 +156,10 @@ mod tests {
                     sum += ((0..SIZE).map(product).sum::<f64>() / f64::from(SIZE)).powi(2);
                 }
                 let ratio = sum / f64::from(BLOCKS) * 144.0 * f64::from(SIZE);
-                assert!(ratio < 2.0 * (1.0 + 5.0 * (2.0 / f64::from(BLOCKS)).sqrt()), "{a:?} {b:?}: ratio {ratio}");
+                assert!(
+                    ratio < 2.0 * (1.0 + 5.0 * (2.0 / f64::from(BLOCKS)).sqrt()),
+                    "{a:?} {b:?}: ratio {ratio}"
+                );
             }
         }
     }

@@ -7,7 +7,7 @@ use super::{Scene, view};
 use crate::error::{Error, Result};
 use crate::material::Material;
 use crate::spectrum::RefractiveIndex;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 impl LengthUnit {
@@ -55,18 +55,16 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
         emitters,
         view,
         meters,
-        notes: spectra.notes,
+        notes: spectra.remarks(),
         hash: format!("{:016x}", hash.0),
     })
 }
 
 /// Reads the scene's own spectra even where nothing uses them: a fault is a fault.
-fn check_own_spectra(file: &SceneFile, spectra: &mut Spectra<'_>) -> Result<()> {
-    use crate::spectrum::library::Purpose;
-    for (name, spectrum) in &file.spectra {
-        let before = spectra.notes.len();
-        spectra.curve(spectrum, Purpose::Emission).map_err(|e| e.under(name).under("spectra"))?;
-        spectra.notes.truncate(before);
+fn check_own_spectra<'a>(file: &'a SceneFile, spectra: &mut Spectra<'a>) -> Result<()> {
+    let mut sound = BTreeSet::new();
+    for name in file.spectra.keys() {
+        spectra.check_own(name, &mut Vec::new(), &mut sound)?;
     }
     spectra.files_read.clear();
     Ok(())
@@ -90,11 +88,13 @@ fn materials<'a>(
 fn material(file: &MaterialFile, spectra: &mut Spectra<'_>, metres_per_unit: f64) -> Result<Material> {
     match file {
         MaterialFile::Lambertian { reflectance, two_sided } => {
-            let reflectance = spectra.reflectance(reflectance).map_err(|e| e.under("reflectance").under("lambertian"))?;
+            let reflectance =
+                spectra.reflectance(reflectance).map_err(|e| e.under("reflectance").under("lambertian"))?;
             Ok(Material::Lambertian { reflectance, two_sided: *two_sided })
         }
         MaterialFile::Mirror { reflectance, two_sided } => {
-            let reflectance = spectra.reflectance(reflectance).map_err(|e| e.under("reflectance").under("mirror"))?;
+            let reflectance =
+                spectra.reflectance(reflectance).map_err(|e| e.under("reflectance").under("mirror"))?;
             Ok(Material::Mirror { reflectance, two_sided: *two_sided })
         }
         MaterialFile::Dielectric { index, outside_index, roughness_alpha, absorption_per_m } => {
@@ -104,10 +104,11 @@ fn material(file: &MaterialFile, spectra: &mut Spectra<'_>, metres_per_unit: f64
                 Some(index) => spectra.index(index).map_err(at("outside_index"))?,
                 None => RefractiveIndex::Constant(1.0),
             };
-            let excess_index = spectra.excess_index(&inside, &outside).map_err(at("index"))?;
+            let excess_index = spectra.excess_index(&inside, &outside).map_err(|e| e.under("dielectric"))?;
             let absorption = match absorption_per_m {
                 Some(spectrum) => {
-                    let per_m = spectra.not_negative(spectrum, "an absorption").map_err(at("absorption_per_m"))?;
+                    let per_m =
+                        spectra.not_negative(spectrum, "an absorption").map_err(at("absorption_per_m"))?;
                     Some(per_m.scaled(metres_per_unit)).filter(|a| !a.is_zero())
                 }
                 None => None,

@@ -276,6 +276,58 @@ pub enum BandFile {
     All,
 }
 
+/// The key that an alternative is written with, for the pointers of errors.
+macro_rules! keys {
+    ($($type:ident { $($variant:ident: $key:literal,)* })*) => {$(
+        impl $type {
+            /// The key that this alternative is written with.
+            pub const fn key(&self) -> &'static str {
+                match self {
+                    $(Self::$variant { .. } => $key,)*
+                }
+            }
+        }
+    )*};
+}
+
+keys! {
+    ShapeFile {
+        Sphere: "sphere",
+        Cylinder: "cylinder",
+        Disk: "disk",
+        Quad: "quad",
+        Box: "box",
+        Mesh: "mesh",
+        Ply: "ply",
+        Obj: "obj",
+    }
+    TransformFile {
+        Translate: "translate",
+        Rotate: "rotate",
+        Scale: "scale",
+        Matrix: "matrix",
+    }
+    LevelFile {
+        FluxLm: "flux_lm",
+        RadiantPower: "radiant_power",
+        ElectricalPower: "electrical_power",
+        IntensityCd: "intensity_cd",
+        LuminanceCdM2: "luminance_cd_m2",
+        Radiance: "radiance",
+        SpectralRadianceFactor: "spectral_radiance_factor",
+    }
+}
+
+impl LevelFile {
+    /// The band that a radiant quantity is counted over.
+    pub const fn band(&self) -> Option<BandFile> {
+        match self {
+            Self::RadiantPower { band_nm, .. } | Self::Radiance { band_nm, .. } => Some(*band_nm),
+            _ => None,
+        }
+    }
+}
+
 /// A light without a surface.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]

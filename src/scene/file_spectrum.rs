@@ -4,9 +4,9 @@
 use super::file::BandFile;
 use crate::units::Kelvin;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
-use serde::Deserialize;
 use std::fmt;
 
 /// A spectrum: a number (the same at every wavelength), a name, or a description.
@@ -219,11 +219,17 @@ impl<'de> Deserialize<'de> for BandFile {
             }
 
             fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<BandFile, E> {
-                if value == "all" { Ok(BandFile::All) } else { Err(E::custom("a band is [from, to] in nm, or \"all\"")) }
+                if value == "all" {
+                    Ok(BandFile::All)
+                } else {
+                    Err(E::custom("a band is [from, to] in nm, or \"all\""))
+                }
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<BandFile, A::Error> {
-                let mut next = || seq.next_element::<f64>()?.ok_or_else(|| A::Error::custom("a band has two wavelengths"));
+                let mut next = || {
+                    seq.next_element::<f64>()?.ok_or_else(|| A::Error::custom("a band has two wavelengths"))
+                };
                 Ok(BandFile::Range([next()?, next()?]))
             }
         }

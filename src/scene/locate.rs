@@ -1,5 +1,6 @@
 //! Where in a scene's text an entry stands: from a JSON pointer to line and column.
 
+use crate::error::pointer_segment;
 use jsonc_parser::ast::{ObjectProp, Value};
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
@@ -33,7 +34,8 @@ pub fn locate(text: &str, pointer: &str) -> Option<(usize, usize)> {
 /// JSON allows it, we do not.
 pub fn duplicate_key(text: &str) -> Option<Repeated> {
     let parsed = parse_to_ast(text, &CollectOptions::default(), &ParseOptions::default()).ok()?;
-    let mut waiting: Vec<(&Value<'_>, String)> = parsed.value.iter().map(|value| (value, String::new())).collect();
+    let mut waiting: Vec<(&Value<'_>, String)> =
+        parsed.value.iter().map(|value| (value, String::new())).collect();
     while let Some((value, pointer)) = waiting.pop() {
         match value {
             Value::Object(object) => {
@@ -44,11 +46,14 @@ pub fn duplicate_key(text: &str) -> Option<Repeated> {
                         let place = line_and_column(text, property.start());
                         return Some(Repeated { key: name.to_owned(), pointer, place });
                     }
-                    waiting.push((&property.value, format!("{pointer}/{}", escape(name))));
+                    waiting.push((&property.value, format!("{pointer}/{}", pointer_segment(name))));
                 }
             }
             Value::Array(array) => {
+                // A mesh has millions of numbers, and no keys in them.
                 let inside = array.elements.iter().enumerate();
+                let inside =
+                    inside.filter(|(_, element)| matches!(element, Value::Object(_) | Value::Array(_)));
                 waiting.extend(inside.map(|(index, element)| (element, format!("{pointer}/{index}"))));
             }
             _ => {}
@@ -66,11 +71,6 @@ pub struct Repeated {
     pub pointer: String,
     /// Line and column of the second.
     pub place: (usize, usize),
-}
-
-/// A name as a segment of a JSON pointer (RFC 6901).
-pub fn escape(name: &str) -> String {
-    name.replace('~', "~0").replace('/', "~1")
 }
 
 fn name_of<'a>(property: &'a ObjectProp<'_>) -> &'a str {

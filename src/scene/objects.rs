@@ -1,18 +1,24 @@
 //! Objects, lights and meters of a scene, brought to scene units.
 
 use super::file::{
-    DistributionFile, EmissionFile, LengthUnit, LightFile, MaterialFile, MeterFile, ObjectFile, SceneFile,
-    ShapeFile, TransformFile, Vector,
+    BandFile, DistributionFile, EmissionFile, LengthUnit, LightFile, MaterialFile, MeterFile, ObjectFile,
+    SceneFile, ShapeFile, TransformFile, Vector,
 };
 use super::spectra::Spectra;
 use super::{Meter, MeterKind, SceneObject};
 use crate::error::{Error, Result};
-use crate::geometry::{Geometry, GeometryBuilder, Mesh, Primitive, Shape, ShapeError, SurfacePoint, Transform};
+use crate::geometry::{
+    Geometry, GeometryBuilder, Mesh, MeshFault, MeshFileError, Primitive, Shape, ShapeError, SurfacePoint,
+    Transform,
+};
 use crate::light::power::{self, EmitterShape};
 use crate::light::{AreaLight, Distribution, EmitterFacts, Light, Lights, PointLight};
 use glam::{DVec3, Vec3A};
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// The largest length in metres: transport's numbers have 32 bits.
+const FARTHEST_M: f64 = f32::MAX as f64;
 
 /// Geometry while it is being put up.
 pub(super) struct Stage<'a> {
@@ -47,10 +53,11 @@ impl<'a> Stage<'a> {
                 let known = materials.keys().map(String::as_str);
                 return Err(at(Error::unknown_name("material", &object.material, known).under("material")));
             }
-            let shape = self.shape(&object.shape).map_err(|e| at(e.under("shape")))?;
+            let kind = object.shape.key();
+            let shape = self.shape(&object.shape).map_err(|e| at(e.under(kind).under("shape")))?;
             let transform = self.transform(&object.transform).map_err(|e| at(e.under("transform")))?;
             let added = self.builder.add_object(&shape, &transform);
-            added.map_err(|e| at(shape_error(&e).under("shape")))?;
+            added.map_err(|e| at(placed_shape_error(&e, &object.shape)))?;
         }
         Ok(())
     }
@@ -68,51 +75,109 @@ impl<'a> Stage<'a> {
         DVec3::from_array(point.map(|c| self.unit.metres(c)))
     }
 
+    /// A position in metres.
+    fn point(&self, point: Vector, key: &str) -> Result<DVec3> {
+        let metres = self.metres(point);
+        match (0..3).find(|&axis| metres[axis].abs() > FARTHEST_M) {
+            None => Ok(metres),
+            Some(axis) => Err(too_far(point[axis]).under(axis).under(key)),
+        }
+    }
+
+    fn points(&self, points: &[Vector], key: &str) -> Result<Vec<DVec3>> {
+        let one = |(index, point): (usize, &Vector)| {
+            self.point(*point, "").map_err(|e| {
+                Error { pointer: e.pointer.map(|p| p[1..].to_owned()), ..e }.under(index).under(key)
+            })
+        };
+        points.iter().enumerate().map(one).collect()
+    }
+
+    fn radius(&self, radius: f64) -> Result<f64> {
+        if radius > 0.0 && self.unit.metres(radius) <= FARTHEST_M {
+            return Ok(self.unit.metres(radius));
+        }
+        let fault = if radius > 0.0 {
+            too_far(radius)
+        } else {
+            Error::new(format!("a radius of {radius} is not positive"))
+                .hint("give a radius above 0, in the scene's length unit")
+        };
+        Err(fault.under("radius"))
+    }
+
+    /// The shape that a file describes, every number checked where it stands; the error's
+    /// pointer starts below the kind of shape.
     fn shape(&mut self, file: &ShapeFile) -> Result<Shape> {
-        let metres = |length: f64| self.unit.metres(length);
         Ok(match file {
             ShapeFile::Sphere { center, radius } => {
-                Shape::Sphere { center: self.metres(*center), radius: metres(*radius) }
+                Shape::Sphere { center: self.point(*center, "center")?, radius: self.radius(*radius)? }
             }
             ShapeFile::Cylinder { from, to, radius, capped } => Shape::Cylinder {
-                from: self.metres(*from),
-                to: self.metres(*to),
-                radius: metres(*radius),
+                from: self.point(*from, "from")?,
+                to: self.point(*to, "to")?,
+                radius: self.radius(*radius)?,
                 capped: *capped,
             },
             ShapeFile::Disk { center, normal, radius } => Shape::Disk {
-                center: self.metres(*center),
-                normal: DVec3::from_array(*normal),
-                radius: metres(*radius),
+                center: self.point(*center, "center")?,
+                normal: unit_vector(*normal, "normal")?,
+                radius: self.radius(*radius)?,
             },
-            ShapeFile::Quad { vertices } => Shape::Quad { vertices: vertices.map(|v| self.metres(v)) },
-            ShapeFile::Box { min, max } => Shape::Box { min: self.metres(*min), max: self.metres(*max) },
+            ShapeFile::Quad { vertices } => {
+                let vertices = self.points(vertices, "vertices")?;
+                Shape::Quad { vertices: vertices.try_into().expect("four in, four out") }
+            }
+            ShapeFile::Box { min, max } => {
+                for axis in 0..3 {
+                    if !(max[axis] > min[axis]) {
+                        let name = ["x", "y", "z"][axis];
+                        return Err(Error::new(format!(
+                            "the box reaches from {} to {} along {name}",
+                            min[axis], max[axis]
+                        ))
+                        .hint("give a larger number in max than in min, along every axis")
+                        .under(axis)
+                        .under("max"));
+                    }
+                }
+                Shape::Box { min: self.point(*min, "min")?, max: self.point(*max, "max")? }
+            }
             ShapeFile::Mesh { vertices, normals, triangles } => Shape::Mesh(Mesh {
-                positions: vertices.iter().map(|v| self.metres(*v)).collect(),
+                positions: self.points(vertices, "vertices")?,
                 normals: normals.iter().map(|n| DVec3::from_array(*n)).collect(),
                 triangles: triangles.clone(),
             }),
-            ShapeFile::Ply { file } => self.mesh_file(file, crate::geometry::read_ply).map_err(|e| e.under("file").under("ply"))?,
-            ShapeFile::Obj { file } => self.mesh_file(file, crate::geometry::read_obj).map_err(|e| e.under("file").under("obj"))?,
+            ShapeFile::Ply { file } => {
+                self.mesh_file(file, crate::geometry::read_ply).map_err(|e| e.under("file"))?
+            }
+            ShapeFile::Obj { file } => {
+                self.mesh_file(file, crate::geometry::read_obj).map_err(|e| e.under("file"))?
+            }
         })
     }
 
+    /// A mesh from its file; the mesh's faults stand there, that it cannot be read in the scene.
     fn mesh_file(
         &mut self,
         file: &str,
-        read: impl Fn(&Path) -> std::result::Result<Mesh, crate::geometry::MeshFileError>,
+        read: impl Fn(&Path) -> std::result::Result<Mesh, MeshFileError>,
     ) -> Result<Shape> {
         let path = self.folder.join(file);
-        let mut mesh = read(&path).map_err(|fault| {
-            let error = Error::new(fault.what.to_string()).in_file(&fault.file);
-            match fault.line {
-                Some(line) => error.at(line, None),
-                None => error,
-            }
-            .hint("check the mesh file")
+        let fault = |what: String| Error::new(what).hint("check the mesh, or write it anew").in_file(&path);
+        let mut mesh = read(&path).map_err(|error| match (error.what, error.line) {
+            (MeshFault::Io(source), _) => Error::named_file(file, &source),
+            (what, Some(line)) => fault(what.to_string()).at(line, None),
+            (what, None) => fault(what.to_string()),
         })?;
         self.mesh_bytes.push(std::fs::metadata(&path).map_or(0, |m| m.len()));
-        mesh.positions.iter_mut().for_each(|p| *p = self.metres(p.to_array()));
+        for position in &mut mesh.positions {
+            let largest = position.abs().max_element();
+            *position = self.metres(position.to_array());
+            if position.abs().max_element() > FARTHEST_M {
+                return Err(too_far(largest).in_file(&path));
+            }
+        }
         Ok(Shape::Mesh(mesh))
     }
 
@@ -120,14 +185,16 @@ impl<'a> Stage<'a> {
         let steps = list.iter().enumerate().map(|(index, step)| {
             match step {
                 TransformFile::Translate(offset) => Transform::translate(self.metres(*offset)),
-                TransformFile::Rotate { axis, degrees } => Transform::rotate(DVec3::from_array(*axis), *degrees),
+                TransformFile::Rotate { axis, degrees } => {
+                    Transform::rotate(DVec3::from_array(*axis), *degrees)
+                }
                 TransformFile::Scale(factors) => Transform::scale(DVec3::from_array(*factors)),
                 TransformFile::Matrix(rows) => {
                     let offset = |row: &[f64; 4]| [row[0], row[1], row[2], self.unit.metres(row[3])];
                     Transform::matrix(rows.each_ref().map(offset))
                 }
             }
-            .map_err(|e| shape_error(&e).under(index))
+            .map_err(|e| shape_error(&e).under(step.key()).under(index))
         });
         let steps: Vec<Transform> = steps.collect::<Result<_>>()?;
         Transform::in_order(&steps).map_err(|e| shape_error(&e))
@@ -142,7 +209,12 @@ impl Built {
         if units.as_vec3().is_finite() {
             return Ok(units);
         }
-        Err(Error::new("a position must be finite").under(key))
+        Err(Error::new(format!(
+            "a position of {:e} is too far from the rest of the scene to be held",
+            DVec3::from_array(point).abs().max_element()
+        ))
+        .hint("check the number and the scene's length unit")
+        .under(key))
     }
 
     /// A length of the file in scene units.
@@ -153,7 +225,11 @@ impl Built {
     /// What positions in the scene are uncertain by, in scene units.
     fn rounding(&self) -> f32 {
         let bounds = self.geometry.bounds();
-        if bounds.is_empty() { 0.0 } else { 4.0 * f32::EPSILON * bounds.min.abs().max(bounds.max.abs()).max_element() }
+        if bounds.is_empty() {
+            0.0
+        } else {
+            4.0 * f32::EPSILON * bounds.min.abs().max(bounds.max.abs()).max_element()
+        }
     }
 
     /// A length in metres in scene units.
@@ -171,11 +247,44 @@ pub(super) fn unit_vector(direction: Vector, key: &str) -> Result<DVec3> {
     if largest > 0.0 && unit.is_finite() {
         return Ok(unit);
     }
-    Err(Error::new("a direction must be finite and not zero").hint("give a vector such as [0, 0, 1]").under(key))
+    Err(Error::new("a direction must be finite and not zero")
+        .hint("give a vector such as [0, 0, 1]")
+        .under(key))
 }
 
+fn too_far(length: f64) -> Error {
+    Error::new(format!("a length of {length:e} is too large to be held"))
+        .hint("lengths reach to 3.4e38 m; check the number and the scene's length unit")
+}
+
+/// Why a transform or the whole of the objects is wrong.
 fn shape_error(error: &ShapeError) -> Error {
-    Error::new(error.to_string())
+    let hint = match error {
+        ShapeError::NotFinite { .. } => "check the numbers and the scene's length unit",
+        ShapeError::NotPositive { .. } => "give a size above 0",
+        ShapeError::NoExtent { .. } => "spread its points, or give a vector that is not zero",
+        ShapeError::CrossedQuad => "exchange two vertices that follow each other",
+        ShapeError::NotASimilarity { .. } => "scale by the same factor along x, y and z",
+        ShapeError::Singular => "leave out factors of 0",
+        ShapeError::NoSuchVertex { .. } => "vertices are numbered from 0",
+        ShapeError::NormalCount { .. } => "give one normal per vertex, or none",
+        ShapeError::Vanishes { .. } => "check its size and unit, and those of the largest object",
+        ShapeError::TooMany => "leave out objects, or split the scene",
+    };
+    Error::new(error.to_string()).hint(hint)
+}
+
+/// Why an object cannot stand as described, below the object's own pointer.
+fn placed_shape_error(error: &ShapeError, shape: &ShapeFile) -> Error {
+    let fault = shape_error(error);
+    let inside = |fault: Error| fault.under(shape.key()).under("shape");
+    match error {
+        ShapeError::NotASimilarity { .. } => fault.under("transform"),
+        ShapeError::NoSuchVertex { triangle, .. } => inside(fault.under(triangle).under("triangles")),
+        ShapeError::NormalCount { .. } => inside(fault.under("normals")),
+        ShapeError::NoExtent { what: "the mesh" } => inside(fault.under("triangles")),
+        _ => inside(fault),
+    }
 }
 
 /// Names and materials of all objects.
@@ -215,7 +324,8 @@ pub(super) fn lights(
         let distribution = match distribution {
             DistributionFile::Isotropic => Distribution::Isotropic,
             DistributionFile::Cosine { axis } => {
-                let axis = unit_vector(*axis, "axis").map_err(|e| at(e.under("cosine").under("distribution")))?;
+                let axis =
+                    unit_vector(*axis, "axis").map_err(|e| at(e.under("cosine").under("distribution")))?;
                 Distribution::Cosine(axis.as_vec3a())
             }
         };
@@ -238,8 +348,20 @@ fn resolve(
     spectra: &mut Spectra<'_>,
 ) -> Result<crate::spectrum::Dense> {
     let spectrum = spectra.emission(&emission.spectrum).map_err(|e| e.under("spectrum"))?;
-    power::check_level(&emission.level).map_err(|e| e.under("level"))?;
-    power::resolve(&spectrum, &emission.level, shape).map_err(|e| e.under("level"))
+    let level = &emission.level;
+    let kind = level.key();
+    let at = |e: Error| e.under(kind).under("level");
+    let unfinished =
+        |e: Error| Error { hint: e.hint.or_else(|| Some("give a number from 0 up".to_owned())), ..e };
+    power::check_level(level).map_err(|e| at(unfinished(e)))?;
+    if let Some(BandFile::Range([from, to])) = level.band()
+        && !(from > 0.0 && to > from)
+    {
+        return Err(at(Error::new(format!("the band from {from} to {to} nm is empty"))
+            .hint("give two rising wavelengths, such as [360, 830]")
+            .under("band_nm")));
+    }
+    power::resolve(&spectrum, level, shape).map_err(at)
 }
 
 /// Area in square metres, and area as seen along the axis where the shape has one.

@@ -1,8 +1,8 @@
 //! From a scene's text to [`SceneFile`], every fault with its line and column.
 
 use super::file::SceneFile;
-use super::locate::{duplicate_key, locate};
-use crate::error::{Error, Result};
+use super::locate::{Repeated, duplicate_key, locate};
+use crate::error::{Error, Result, pointer_segment};
 use std::path::Path;
 
 /// Larger scene files are refused before they are read; meshes belong in PLY or OBJ files.
@@ -28,9 +28,10 @@ pub fn parse(text: &str) -> Result<SceneFile> {
     deserializer.end().map_err(|e| explain(text, "", &e))?;
     match duplicate_key(text) {
         None => Ok(scene),
-        Some((key, (line, column))) => Err(Error::new(format!("the key \"{key}\" stands twice in one object"))
-            .hint("remove or rename one of them")
-            .at(line, Some(column))),
+        Some(Repeated { key, pointer, place: (line, column) }) => {
+            let fault = Error::new(format!("the key \"{key}\" stands twice in one object"));
+            Err(at_pointer(fault, &pointer).hint("remove or rename one of them").at(line, Some(column)))
+        }
     }
 }
 
@@ -40,7 +41,8 @@ pub fn place(text: &str, error: Error) -> Error {
         return error; // of another file, with its own lines
     }
     let pointer = error.pointer.clone().unwrap_or_default();
-    match locate(text, &pointer) {
+    let error = at_pointer(error, &pointer);
+    match locate(text, pointer.trim_end_matches('/')) {
         Some((line, column)) => error.at(line, Some(column)),
         None => error,
     }
@@ -51,42 +53,126 @@ fn pointer_of(path: &serde_path_to_error::Path) -> String {
     path.iter()
         .map(|segment| match segment {
             Segment::Seq { index } => format!("/{index}"),
-            Segment::Map { key } => format!("/{key}"),
-            Segment::Enum { variant } => format!("/{variant}"),
+            Segment::Map { key: name } | Segment::Enum { variant: name } => {
+                format!("/{}", pointer_segment(name))
+            }
             Segment::Unknown => String::new(),
         })
         .collect()
 }
 
-/// Turns serde's message into ours, with a suggestion where a key or name is unknown.
+/// Sets the pointer; the whole file is shown as `/`.
+fn at_pointer(mut fault: Error, pointer: &str) -> Error {
+    fault.pointer = Some(if pointer.is_empty() { "/".to_owned() } else { pointer.to_owned() });
+    fault
+}
+
+/// Turns serde's message into ours, placed where the entry at fault stands.
 fn explain(text: &str, pointer: &str, error: &serde_json::Error) -> Error {
     let whole = error.to_string();
-    let message = whole.split(" at line ").next().unwrap_or(&whole);
+    let message =
+        if error.line() > 0 { whole.rsplit_once(" at line ").map_or(&*whole, |(m, _)| m) } else { &whole };
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    let unknown = message.starts_with("unknown field") || message.starts_with("unknown variant");
-    let mut explained = match quoted.split_first() {
-        Some((wrong, known)) if unknown => {
-            let name = pointer.rsplit('/').next().unwrap_or_default();
-            let parent = if name == *wrong { pointer.trim_end_matches(wrong).trim_end_matches('/') } else { pointer };
-            let at = format!("{parent}/{wrong}");
-            let mut fault = Error::unknown_name("key", wrong, known.iter().copied());
-            fault.pointer = Some(if parent.is_empty() { "/".to_owned() } else { parent.to_owned() });
-            if let Some((line, column)) = locate(text, &at) {
-                fault = fault.at(line, Some(column));
-            }
-            return fault;
+    if let Some((wrong, known)) = quoted.split_first().filter(|_| message.starts_with("unknown ")) {
+        return unknown(text, pointer, wrong, known);
+    }
+    let fault = if message.starts_with("missing field") {
+        let key = quoted.first().copied().unwrap_or_default();
+        Error::new(format!("the key \"{key}\" is missing")).hint("add it; `etalon schema` lists all keys")
+    } else if message == "number out of range" {
+        Error::new("a number is too large to be held").hint("write a number below 1e308; check its unit")
+    } else if !(error.is_syntax() || error.is_eof()) {
+        Error::new(plain_words(message)).hint("`etalon schema` describes what belongs here")
+    } else if serde_json::from_str::<serde::de::IgnoredAny>(text).is_ok() {
+        // What serde calls a fault of syntax where the JSON is in order: a list that is too
+        // long, or an alternative that is not written as one key.
+        match message {
+            "trailing characters" => Error::new("the list has more entries than belong here"),
+            _ => Error::new("one key that says which kind is meant belongs here, with its entries inside"),
         }
-        _ if message.starts_with("missing field") => {
-            let key = quoted.first().copied().unwrap_or_default();
-            let mut fault = Error::new(format!("the key \"{key}\" is missing")).hint("add it; `etalon schema` lists all keys");
-            fault.pointer = (!pointer.is_empty()).then(|| pointer.to_owned());
-            return place(text, fault);
-        }
-        _ if error.is_syntax() || error.is_eof() => {
-            Error::new(format!("not valid JSON: {message}")).hint("check commas, quotes and brackets just before this place")
-        }
-        _ => Error::new(message.to_owned()).hint("`etalon schema` describes what belongs here"),
+        .hint("`etalon schema` describes what belongs here")
+    } else {
+        let fault = Error::new(format!("not valid JSON: {message}"))
+            .hint("check commas, quotes and brackets just before this place");
+        return at_pointer(fault, pointer).at(error.line(), Some(column_in_characters(text, error)));
     };
-    explained.pointer = (!pointer.is_empty()).then(|| pointer.to_owned());
-    explained.at(error.line(), Some(error.column()))
+    let placed = place(text, at_pointer(fault, pointer));
+    match placed.line {
+        Some(_) => placed,
+        // The text is not JSON farther on, so that the pointer leads nowhere.
+        None => placed.at(error.line(), Some(column_in_characters(text, error))),
+    }
+}
+
+/// An unknown key, kind or value, with a suggestion.
+fn unknown(text: &str, pointer: &str, wrong: &str, known: &[&str]) -> Error {
+    let segment = pointer_segment(wrong);
+    let parent = pointer.strip_suffix(&format!("/{segment}")).unwrap_or(pointer);
+    let whole: Option<serde_json::Value> = serde_json::from_str(text).ok();
+    let what = match whole.as_ref().and_then(|value| value.pointer(parent)) {
+        Some(serde_json::Value::String(_)) => "value",
+        _ => "key",
+    };
+    let mut fault = Error::unknown_name(what, wrong, known.iter().copied());
+    if let Some((line, column)) = locate(text, &format!("{parent}/{segment}")) {
+        fault = fault.at(line, Some(column));
+    }
+    at_pointer(fault, parent)
+}
+
+/// The column of a fault of syntax: serde counts bytes, and from 0 at the end of the text.
+fn column_in_characters(text: &str, error: &serde_json::Error) -> usize {
+    let line = text.split('\n').nth(error.line().saturating_sub(1)).unwrap_or_default();
+    let bytes_before = error.column().saturating_sub(1).min(line.len());
+    String::from_utf8_lossy(&line.as_bytes()[..bytes_before]).chars().count() + 1
+}
+
+/// `invalid type: string "x", expected f64` in plain words.
+fn plain_words(message: &str) -> String {
+    let parts = message.split_once(": ").and_then(|(_, rest)| rest.rsplit_once(", expected "));
+    let Some((found, expected)) = parts.filter(|_| message.starts_with("invalid ")) else {
+        let length = message
+            .strip_prefix("invalid length ")
+            .and_then(|rest| rest.split_once(", expected an array of length "));
+        return match length {
+            Some((found, expected)) => format!("a list of {found} where a list of {expected} belongs"),
+            None => message.to_owned(),
+        };
+    };
+    let found = match found {
+        "sequence" => "a list".to_owned(),
+        "map" => "an object".to_owned(),
+        other => other.replace("floating point", "number").replace("integer", "number").replace('`', ""),
+    };
+    let expected = match expected {
+        "f64" => "a number",
+        "u32" => "a whole number from 0 up",
+        "a sequence" => "a list",
+        "a map" => "an object",
+        kind if kind.starts_with("struct") => "an object with keys",
+        kind if kind.starts_with("enum") => "a kind, written as one key with its entries inside,",
+        array if array.starts_with("an array") => "a list",
+        other => other,
+    };
+    format!("{found} where {expected} belongs")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn serde_in_plain_words() {
+        for (said, plain) in [
+            ("invalid type: string \"x\", expected f64", "string \"x\" where a number belongs"),
+            (
+                "invalid type: floating point `0.5`, expected u32",
+                "number 0.5 where a whole number from 0 up belongs",
+            ),
+            ("invalid length 2, expected an array of length 3", "a list of 2 where a list of 3 belongs"),
+            ("a band has two wavelengths", "a band has two wavelengths"),
+        ] {
+            assert_eq!(plain_words(said), plain);
+        }
+    }
 }

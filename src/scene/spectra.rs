@@ -4,27 +4,32 @@ use super::file::{IndexDescription, IndexFile, MetalFile, SpectrumDescription, S
 use crate::camera::uncovered_share;
 use crate::error::{Error, Result};
 use crate::spectrum::library::{self, Purpose};
-use crate::spectrum::{CsvTable, Curve, Dense, Outside, RefractiveIndex, Table, grid_nm};
+use crate::spectrum::{CsvTable, Curve, Dense, FIRST_NM, LAST_NM, Outside, RefractiveIndex, Table, grid_nm};
 use crate::units::Kelvin;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Spectra may name one another; a longer chain than this is a circle.
+/// Spectra may name one another, through at most this many names and factors.
 const DEEPEST: usize = 32;
+
+/// What transport can hold: its numbers have 32 bits.
+const LARGEST: f64 = f32::MAX as f64;
 
 /// Resolves what a scene says about spectra, and notes what a user should know.
 pub(super) struct Spectra<'a> {
     folder: &'a Path,
     own: &'a BTreeMap<String, SpectrumFile>,
-    /// Remarks on coverage and the like, for the report.
-    pub notes: Vec<String>,
+    /// Remarks for the report.
+    notes: Vec<String>,
+    /// Names of spectra by what is to be said of their coverage.
+    coverage: BTreeMap<String, Vec<String>>,
     /// Text of the files that were read, for the scene's hash.
     pub files_read: Vec<(PathBuf, String)>,
 }
 
 impl<'a> Spectra<'a> {
     pub fn new(folder: &'a Path, own: &'a BTreeMap<String, SpectrumFile>) -> Self {
-        Self { folder, own, notes: Vec::new(), files_read: Vec::new() }
+        Self { folder, own, notes: Vec::new(), coverage: BTreeMap::new(), files_read: Vec::new() }
     }
 
     /// A curve for a purpose, with a note where a table leaves part of the eye's response
@@ -40,28 +45,38 @@ impl<'a> Spectra<'a> {
                 };
                 let name = match spectrum {
                     SpectrumFile::Name(name) => format!("\"{name}\""),
-                    _ => "a spectrum".to_owned(),
+                    _ => "a spectrum described in the scene".to_owned(),
                 };
-                self.note(format!(
-                    "{name} is known from {} to {} nm; outside, with {:.2} % of the luminous response, {rule}",
+                let remark = format!(
+                    "known from {} to {} nm; outside, with {:.2} % of the luminous response, {rule}",
                     range.0,
                     range.1,
                     100.0 * share
-                ));
+                );
+                let names = self.coverage.entry(remark).or_default();
+                if !names.contains(&name) {
+                    names.push(name);
+                }
             }
         }
         Ok(curve)
+    }
+
+    /// Reads a spectrum for its faults alone.
+    pub fn check(&self, spectrum: &SpectrumFile) -> Result<()> {
+        Self::new(self.folder, self.own).curve(spectrum, Purpose::Emission).map(|_| ())
     }
 
     /// A reflectance: 0 to 1 everywhere.
     pub fn reflectance(&mut self, spectrum: &SpectrumFile) -> Result<Dense> {
         let curve = self.curve(spectrum, Purpose::Reflectance)?;
         let (low, high) = curve.extremes();
-        if low < 0.0 || !low.is_finite() {
-            return Err(Error::new(format!("a reflectance of {low} is negative"))
-                .hint("a reflectance lies between 0 and 1; measured noise below zero is clipped in the table"));
+        if low < 0.0 {
+            return Err(Error::new(format!("a reflectance of {low} is negative")).hint(
+                "a reflectance lies between 0 and 1; measured noise below zero is clipped in the table",
+            ));
         }
-        if high > 1.0 {
+        if !(high <= 1.0) {
             return Err(Error::new(format!("a reflectance of {high} is above 1"))
                 .hint("a reflectance lies between 0 and 1; use \"factor\": 0.01 for a table in per cent"));
         }
@@ -71,21 +86,14 @@ impl<'a> Spectra<'a> {
     /// Something that is not negative: an absorption coefficient, part of a metal's index.
     pub fn not_negative(&mut self, spectrum: &SpectrumFile, what: &str) -> Result<Dense> {
         let curve = self.curve(spectrum, Purpose::Reflectance)?;
-        let (low, high) = curve.extremes();
-        if low < 0.0 || !low.is_finite() || !high.is_finite() {
-            return Err(Error::new(format!("{what} of {low} is not a finite number from 0 up")));
-        }
+        check_extremes(&curve, what, LARGEST)?;
         Ok(Dense::from_fn(|nm| curve.at(nm)))
     }
 
     /// The shape of an emission: not negative.
     pub fn emission(&mut self, spectrum: &SpectrumFile) -> Result<Curve> {
         let curve = self.curve(spectrum, Purpose::Emission)?;
-        let (low, high) = curve.extremes();
-        if low < 0.0 || !low.is_finite() || !high.is_finite() {
-            return Err(Error::new(format!("an emission of {low} is not a finite number from 0 up"))
-                .hint("clip measured noise below zero in the table"));
-        }
+        check_extremes(&curve, "an emission", f64::MAX)?;
         Ok(curve)
     }
 
@@ -132,29 +140,49 @@ impl<'a> Spectra<'a> {
             IndexDescription::Sellmeier { b, c_um2, range_nm } => {
                 if b.len() != c_um2.len() {
                     return Err(Error::new(format!("{} coefficients b but {} c_um2", b.len(), c_um2.len()))
-                        .hint("give one c_um2 for each b"));
+                        .hint("give one c_um2 for each b")
+                        .under("c_um2")
+                        .under("sellmeier"));
+                }
+                if !(range_nm[0] > 0.0 && range_nm[1] > range_nm[0]) {
+                    return Err(Error::new(format!(
+                        "the range from {} to {} nm is empty",
+                        range_nm[0], range_nm[1]
+                    ))
+                    .hint("give two rising wavelengths, such as [310, 2500]")
+                    .under("range_nm")
+                    .under("sellmeier"));
                 }
                 let terms = b.iter().zip(c_um2).map(|(b, c)| [*b, *c]).collect();
                 Ok(RefractiveIndex::Sellmeier { terms, range_nm: (range_nm[0], range_nm[1]) })
             }
-            IndexDescription::Abbe { nd, vd } => RefractiveIndex::from_abbe(*nd, *vd),
-            IndexDescription::Table { wavelengths_nm, n } => {
-                Ok(RefractiveIndex::Table(Table::new(wavelengths_nm.clone(), n.clone(), Outside::Hold)?))
+            IndexDescription::Abbe { nd, vd } => {
+                RefractiveIndex::from_abbe(*nd, *vd).map_err(|e| e.under("abbe"))
             }
-            IndexDescription::Csv { file } => library::refractive_index(&self.read_csv(file)?),
+            IndexDescription::Table { wavelengths_nm, n } => {
+                let table = table_of(wavelengths_nm, n, "n", Outside::Hold);
+                table.map(RefractiveIndex::Table).map_err(|e| e.under("table"))
+            }
+            IndexDescription::Csv { file } => {
+                let at = |e: Error| e.under("file").under("csv");
+                let (path, table) = self.read_csv(file).map_err(at)?;
+                if table.column("n").is_some() {
+                    table.wavelengths_nm().map_err(|e| at(e.in_file(&path)))?;
+                }
+                library::refractive_index(&table).map_err(at)
+            }
         }
     }
 
-    /// The relative index of a boundary minus one, over the grid.
+    /// The relative index of a boundary minus one, over the grid. An error carries the key of
+    /// the index at fault.
     ///
     /// A formula is followed beyond the wavelengths it was fitted for, with a note; a table
     /// is not.
     pub fn excess_index(&mut self, inside: &RefractiveIndex, outside: &RefractiveIndex) -> Result<Dense> {
-        let mut excess = Vec::new();
-        for nm in grid_nm() {
-            let (n_inside, n_outside) = (inside.at(nm)?, outside.at(nm)?);
-            excess.push(((n_inside - n_outside) / n_outside) as f32);
-        }
+        let n_inside = index_over_grid(inside).map_err(|e| e.under("index"))?;
+        let n_outside = index_over_grid(outside).map_err(|e| e.under("outside_index"))?;
+        let excess: Vec<f32> = n_inside.iter().zip(&n_outside).map(|(i, o)| ((i - o) / o) as f32).collect();
         for index in [inside, outside] {
             if let Some(range) = index.fitted_range_nm().filter(|r| uncovered_share(*r) > 0.0) {
                 self.note(format!(
@@ -168,6 +196,12 @@ impl<'a> Spectra<'a> {
         Ok(Dense::from_values(&excess))
     }
 
+    /// All remarks, spectra of equal coverage together.
+    pub fn remarks(&self) -> Vec<String> {
+        let coverage = self.coverage.iter().map(|(remark, names)| format!("{}: {remark}", names.join(", ")));
+        self.notes.iter().cloned().chain(coverage).collect()
+    }
+
     /// Notes a remark once.
     pub fn note(&mut self, remark: String) {
         if !self.notes.contains(&remark) {
@@ -175,9 +209,48 @@ impl<'a> Spectra<'a> {
         }
     }
 
+    /// Reads one of the scene's own spectra, after those that it names: a fault is reported
+    /// where it stands, even where nothing uses the spectrum.
+    pub fn check_own(
+        &mut self,
+        name: &'a str,
+        named_by: &mut Vec<&'a str>,
+        sound: &mut BTreeSet<&'a str>,
+    ) -> Result<()> {
+        if sound.contains(name) {
+            return Ok(());
+        }
+        let spectrum = &self.own[name];
+        named_by.push(name);
+        if let (Some(next), pointer) = named_in(spectrum)
+            && self.own.contains_key(next)
+        {
+            let at = |e: Error| Error { pointer: Some(pointer.clone()), ..e }.under(name).under("spectra");
+            if let Some(first) = named_by.iter().position(|earlier| *earlier == next) {
+                let circle =
+                    named_by[first..].iter().chain([&next]).map(|n| format!("\"{n}\"")).collect::<Vec<_>>();
+                return Err(at(Error::new(format!(
+                    "spectra name one another in a circle: {}",
+                    circle.join(", ")
+                ))
+                .hint("let one of them be a number, a table or a built-in spectrum of another name")));
+            }
+            if named_by.len() > DEEPEST {
+                return Err(at(too_deep()));
+            }
+            self.check_own(next, named_by, sound)?;
+        }
+        named_by.pop();
+        let before = self.notes.len();
+        self.curve(spectrum, Purpose::Emission).map_err(|e| e.under(name).under("spectra"))?;
+        self.notes.truncate(before);
+        sound.insert(name);
+        Ok(())
+    }
+
     fn resolve(&mut self, spectrum: &SpectrumFile, purpose: Purpose, depth: usize) -> Result<Curve> {
         if depth > DEEPEST {
-            return Err(Error::new("spectra name one another in a circle"));
+            return Err(too_deep());
         }
         match spectrum {
             SpectrumFile::Value(value) => Ok(Curve::Constant(*value)),
@@ -195,12 +268,14 @@ impl<'a> Spectra<'a> {
                 Ok(Curve::Blackbody(Kelvin(*kelvin)))
             }
             SpectrumFile::Described(SpectrumDescription::Table { wavelengths_nm, values }) => {
-                let table = Table::new(wavelengths_nm.clone(), values.clone(), outside(purpose));
+                let table = table_of(wavelengths_nm, values, "values", outside(purpose));
                 table.map(Curve::Table).map_err(|e| e.under("table"))
             }
             SpectrumFile::Described(SpectrumDescription::Csv { file, column, factor }) => {
-                let table = self.read_csv(file).map_err(|e| e.under("file").under("csv"))?;
-                let curve = library::curve(&table, column.as_deref(), purpose).map_err(|e| e.under("csv"))?;
+                let (path, table) = self.read_csv(file).map_err(|e| e.under("file").under("csv"))?;
+                table.wavelengths_nm().map_err(|e| e.in_file(&path).under("file").under("csv"))?;
+                let curve = library::curve(&table, column.as_deref(), purpose)
+                    .map_err(|e| if column.is_some() { e.under("column") } else { e }.under("csv"))?;
                 Ok(if *factor == 1.0 { curve } else { Curve::Scaled(Box::new(curve), *factor) })
             }
             SpectrumFile::Described(SpectrumDescription::Scaled { spectrum, factor }) => {
@@ -222,13 +297,84 @@ impl<'a> Spectra<'a> {
         library::curve(&library::table(name)?, None, purpose)
     }
 
-    fn read_csv(&mut self, file: &str) -> Result<CsvTable> {
+    /// Reads a table; its own faults stand in its file, that it cannot be read in the scene.
+    fn read_csv(&mut self, file: &str) -> Result<(PathBuf, CsvTable)> {
         let path = self.folder.join(file);
-        let table = CsvTable::read(&path)?;
-        let text = std::fs::read_to_string(&path).map_err(|e| Error::io(&path, "read the table", &e))?;
-        self.files_read.push((path, text));
-        Ok(table)
+        let text = std::fs::read_to_string(&path).map_err(|e| Error::named_file(file, &e))?;
+        let table = CsvTable::parse(&text).map_err(|e| e.in_file(&path))?;
+        self.files_read.push((path.clone(), text));
+        Ok((path, table))
     }
+}
+
+/// An index at every grid point. A pole of Sellmeier's formula within the grid's range is an
+/// error even where no grid point meets it.
+fn index_over_grid(index: &RefractiveIndex) -> Result<Vec<f64>> {
+    /// Nearer than this to a pole a formula says nothing about a glass.
+    const CLEARANCE_NM: f64 = 1.0;
+    if let RefractiveIndex::Sellmeier { terms, .. } = index {
+        let poles = terms.iter().filter(|[b, _]| *b != 0.0).map(|[_, c_um2]| 1000.0 * c_um2.max(0.0).sqrt());
+        let near = FIRST_NM - CLEARANCE_NM..=LAST_NM + CLEARANCE_NM;
+        if let Some(pole) = poles.into_iter().find(|pole| near.contains(pole)) {
+            return Err(Error::new(format!("Sellmeier's formula has a pole at {pole:.2} nm")).hint(
+                "coefficients c_um2 are squares of wavelengths in um, outside 360 to 830 nm; check the unit",
+            ));
+        }
+    }
+    grid_nm().map(|nm| index.at(nm)).collect()
+}
+
+fn too_deep() -> Error {
+    Error::new(format!("spectra name one another more than {DEEPEST} deep"))
+        .hint("give the spectrum itself instead of one made of others")
+}
+
+/// The spectrum that a description names, if any, and the pointer inside it to the name.
+fn named_in(spectrum: &SpectrumFile) -> (Option<&str>, String) {
+    let mut pointer = String::new();
+    let mut inner = spectrum;
+    while let SpectrumFile::Described(SpectrumDescription::Scaled { spectrum, .. }) = inner {
+        pointer.push_str("/scaled/spectrum");
+        inner = spectrum;
+    }
+    match inner {
+        SpectrumFile::Name(name) => (Some(name), pointer),
+        _ => (None, pointer),
+    }
+}
+
+/// A table written in the scene, with its faults at the entry that they stand in.
+fn table_of(wavelengths_nm: &[f64], values: &[f64], values_key: &str, outside: Outside) -> Result<Table> {
+    if wavelengths_nm.len() != values.len() {
+        return Err(Error::new(format!("{} values for {} wavelengths", values.len(), wavelengths_nm.len()))
+            .hint("give one value per wavelength")
+            .under(values_key));
+    }
+    if let Some(index) = wavelengths_nm.windows(2).position(|pair| pair[1] <= pair[0]) {
+        return Err(Error::new(format!(
+            "{} nm comes after {} nm",
+            wavelengths_nm[index + 1],
+            wavelengths_nm[index]
+        ))
+        .hint("sort the points by wavelength and leave out repeated ones")
+        .under(index + 1)
+        .under("wavelengths_nm"));
+    }
+    Table::new(wavelengths_nm.to_vec(), values.to_vec(), outside)
+}
+
+/// Whether all values of a curve lie between 0 and `largest`.
+fn check_extremes(curve: &Curve, what: &str, largest: f64) -> Result<()> {
+    let (low, high) = curve.extremes();
+    if low < 0.0 || low.is_nan() {
+        return Err(Error::new(format!("{what} of {low} is negative"))
+            .hint("give numbers from 0 up; measured noise below zero is clipped in the table"));
+    }
+    if high <= largest {
+        return Ok(());
+    }
+    Err(Error::new(format!("{what} of {high:e} is too large to be held"))
+        .hint(format!("give numbers below {largest:.1e}; check the unit")))
 }
 
 fn outside(purpose: Purpose) -> Outside {

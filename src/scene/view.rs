@@ -75,7 +75,9 @@ fn positive(value: f64, key: &str, example: &str) -> Result<f64> {
     if value > 0.0 && value.is_finite() {
         return Ok(value);
     }
-    Err(Error::new(format!("{value} is not a positive number")).hint(format!("for example {example}")).under(key))
+    Err(Error::new(format!("{value} is not a positive number"))
+        .hint(format!("for example {example}"))
+        .under(key))
 }
 
 fn exposure(file: &CameraFile) -> Result<Exposure> {
@@ -115,7 +117,9 @@ fn placement(file: &CameraFile, built: &Built) -> Result<CameraPlacement> {
         }
         (None, Some(direction)) => unit_vector(direction, "direction")?,
         (Some(_), Some(_)) => {
-            return Err(Error::new("both look_at and direction are given").hint("keep one").under("direction"));
+            return Err(Error::new("both look_at and direction are given")
+                .hint("keep one")
+                .under("direction"));
         }
         (None, None) => {
             return Err(Error::new("the camera looks nowhere").hint("add look_at or direction"));

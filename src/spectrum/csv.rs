@@ -16,6 +16,8 @@ pub struct CsvTable {
     pub columns: Vec<String>,
     /// Row by row, each as long as `columns`; all finite.
     pub rows: Vec<Vec<f64>>,
+    /// The line that each row stands in, from 1.
+    lines: Vec<usize>,
 }
 
 /// More rows than any measured curve has; a longer file is something else.
@@ -30,7 +32,8 @@ impl CsvTable {
 
     /// Reads a table from text; errors carry line and column.
     pub fn parse(text: &str) -> Result<Self> {
-        let mut table = Self { facts: BTreeMap::new(), columns: Vec::new(), rows: Vec::new() };
+        let mut table =
+            Self { facts: BTreeMap::new(), columns: Vec::new(), rows: Vec::new(), lines: Vec::new() };
         for (index, line) in text.lines().enumerate() {
             let line_number = index + 1;
             if let Some(comment) = line.trim_start().strip_prefix('#') {
@@ -59,7 +62,8 @@ impl CsvTable {
         Some(self.rows.iter().map(|row| row[index]).collect())
     }
 
-    /// The first column, checked to rise strictly: the wavelengths in nm.
+    /// The first column, checked to rise strictly: the wavelengths in nm. An error carries
+    /// line and column.
     pub fn wavelengths_nm(&self) -> Result<Vec<f64>> {
         let wavelengths: Vec<f64> = self.rows.iter().map(|row| row[0]).collect();
         match wavelengths.windows(2).position(|pair| pair[1] <= pair[0]) {
@@ -69,11 +73,17 @@ impl CsvTable {
                 wavelengths[row + 1],
                 wavelengths[row]
             ))
-            .hint("sort the rows and leave out repeated wavelengths")),
+            .hint("sort the rows and leave out repeated wavelengths")
+            .at(self.lines[row + 1], Some(1))),
         }
     }
 
     fn check_header(&self, line_number: usize) -> Result<()> {
+        if self.columns.len() < 2 {
+            return Err(Error::new("the table has a single column")
+                .hint("write wavelengths in the first column, values in the next, commas between them")
+                .at(line_number, Some(1)));
+        }
         if self.columns.iter().all(|name| name.parse::<f64>().is_err()) {
             return Ok(());
         }
@@ -89,9 +99,10 @@ impl CsvTable {
             match cell.trim().parse::<f64>() {
                 Ok(value) if value.is_finite() => row.push(value),
                 _ => {
+                    let blanks = cell.chars().take_while(|c| c.is_whitespace()).count();
                     return Err(Error::new(format!("\"{}\" is not a finite number", cell.trim()))
                         .hint("write numbers with a decimal point, commas between columns")
-                        .at(line_number, Some(column)));
+                        .at(line_number, Some(column + blanks)));
                 }
             }
             column += cell.chars().count() + 1;
@@ -106,9 +117,12 @@ impl CsvTable {
             .at(line_number, Some(1)));
         }
         if self.rows.len() == MOST_ROWS {
-            return Err(Error::new(format!("more than {MOST_ROWS} rows")).at(line_number, Some(1)));
+            return Err(Error::new(format!("more than {MOST_ROWS} rows"))
+                .hint("a measured curve has fewer; check that this is the right file")
+                .at(line_number, Some(1)));
         }
         self.rows.push(row);
+        self.lines.push(line_number);
         Ok(())
     }
 }
@@ -126,12 +140,15 @@ mod tests {
         assert_eq!(place("# a: b\nwavelength_nm,value\n400,0.1\n500,x\n"), (Some(4), Some(5)));
         assert_eq!(place("wavelength_nm,value\n400,nan\n"), (Some(2), Some(5)));
         assert_eq!(place("400,1\n500,2\n"), (Some(1), Some(1)));
+        assert_eq!(place("wavelength_nm,value\n400, nan\n"), (Some(2), Some(6)));
         assert_eq!(place("wavelength_nm,value\n400\n"), (Some(2), Some(1)));
+        assert_eq!(place("value\n400\n"), (Some(1), Some(1)));
     }
 
     #[test]
     fn wavelengths_must_rise() {
         let table = CsvTable::parse("wavelength_nm,value\n400,1\n400,2\n").expect("well formed");
-        assert!(table.wavelengths_nm().is_err());
+        let error = table.wavelengths_nm().expect_err("a wavelength is repeated");
+        assert_eq!((error.line, error.column), (Some(3), Some(1)));
     }
 }

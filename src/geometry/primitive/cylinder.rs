@@ -27,12 +27,7 @@ impl Cylinder {
         let span = to.as_dvec3() - from.as_dvec3();
         let length = span.length();
         let valid = length > 0.0 && length.is_finite() && radius > 0.0 && radius.is_finite();
-        valid.then(|| Self {
-            from,
-            radius,
-            axis: span / length,
-            length,
-        })
+        valid.then(|| Self { from, radius, axis: span / length, length })
     }
 
     /// Unit vector from the first end to the second.
@@ -85,10 +80,7 @@ impl Cylinder {
     /// A point uniform over the area.
     #[inline]
     pub fn sample_area(&self, u: [f32; 2]) -> SurfacePoint {
-        self.at(
-            f64::from(u[0]) * self.length,
-            around(self.axis, f64::from(u[1])),
-        )
+        self.at(f64::from(u[0]) * self.length, around(self.axis, f64::from(u[1])))
     }
 
     #[inline]

@@ -18,11 +18,7 @@ impl Disk {
     /// A disk across `normal` (any length); `None` when radius or normal has no size.
     pub fn new(center: Vec3, normal: DVec3, radius: f32) -> Option<Self> {
         let normal = normal.try_normalize()?;
-        (radius > 0.0 && radius.is_finite() && center.is_finite()).then_some(Self {
-            center,
-            radius,
-            normal,
-        })
+        (radius > 0.0 && radius.is_finite() && center.is_finite()).then_some(Self { center, radius, normal })
     }
 
     /// Centre.

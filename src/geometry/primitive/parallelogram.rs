@@ -19,21 +19,14 @@ impl Parallelogram {
     /// A parallelogram from its corners, counter-clockwise seen from the side of its normal;
     /// `None` when it has no area. That opposite edges agree to rounding is the caller's care.
     pub fn new(corners: [Vec3; 4]) -> Option<Self> {
-        let parallelogram = Self {
-            corners: corners.map(|v| v.to_array()),
-        };
+        let parallelogram = Self { corners: corners.map(|v| v.to_array()) };
         let area = parallelogram.area();
         (area > 0.0 && area.is_finite()).then_some(parallelogram)
     }
 
     /// A parallelogram from one corner and the two edges that leave it.
     pub fn from_edges(corner: Vec3, edge_u: Vec3, edge_v: Vec3) -> Option<Self> {
-        Self::new([
-            corner,
-            corner + edge_u,
-            corner + edge_u + edge_v,
-            corner + edge_v,
-        ])
+        Self::new([corner, corner + edge_u, corner + edge_u + edge_v, corner + edge_v])
     }
 
     /// The corners, counter-clockwise seen from the side of the normal.
@@ -44,33 +37,18 @@ impl Parallelogram {
     /// A box around the parallelogram.
     pub fn bounds(&self) -> Bounds {
         let [a, b, c, d] = self.corners.map(Vec3A::from);
-        Bounds {
-            min: a.min(b).min(c.min(d)),
-            max: a.max(b).max(c.max(d)),
-        }
+        Bounds { min: a.min(b).min(c.min(d)), max: a.max(b).max(c.max(d)) }
     }
 
     /// The place where `ray` meets the parallelogram, edges and corners included.
     #[inline]
     pub fn intersect(&self, ray: &PreciseRay) -> Option<Meeting> {
         let [a, b, c, d] = &self.corners;
-        let [a, b, c, d] = [
-            ray.sheared(a),
-            ray.sheared(b),
-            ray.sheared(c),
-            ray.sheared(d),
-        ];
-        let first = meet_sheared([a, b, c]).map(|(t, [_, to_b, to_c])| Meeting {
-            t,
-            u: to_b + to_c,
-            v: to_c,
-        });
+        let [a, b, c, d] = [ray.sheared(a), ray.sheared(b), ray.sheared(c), ray.sheared(d)];
+        let first =
+            meet_sheared([a, b, c]).map(|(t, [_, to_b, to_c])| Meeting { t, u: to_b + to_c, v: to_c });
         let meeting = first.or_else(|| {
-            meet_sheared([a, c, d]).map(|(t, [_, to_c, to_d])| Meeting {
-                t,
-                u: to_c,
-                v: to_c + to_d,
-            })
+            meet_sheared([a, c, d]).map(|(t, [_, to_c, to_d])| Meeting { t, u: to_c, v: to_c + to_d })
         })?;
         ray.reaches(meeting.t).then_some(meeting)
     }
@@ -95,11 +73,8 @@ impl Parallelogram {
     #[inline]
     fn at(&self, u: f64, v: f64) -> SurfacePoint {
         let [a, b, c, d] = self.doubles();
-        let position = if u >= v {
-            a * (1.0 - u) + b * (u - v) + c * v
-        } else {
-            a * (1.0 - v) + d * (v - u) + c * u
-        };
+        let position =
+            if u >= v { a * (1.0 - u) + b * (u - v) + c * v } else { a * (1.0 - v) + d * (v - u) + c * u };
         let reach = a.abs().max(b.abs()).max(c.abs()).max(d.abs());
         let bend = (a - b + c - d).abs();
         SurfacePoint::rounded(position, reach, bend, self.cross())

@@ -16,8 +16,7 @@ pub struct Sphere {
 impl Sphere {
     /// A sphere; `None` when the radius is not positive and finite.
     pub fn new(center: Vec3, radius: f32) -> Option<Self> {
-        (radius > 0.0 && radius.is_finite() && center.is_finite())
-            .then_some(Self { center, radius })
+        (radius > 0.0 && radius.is_finite() && center.is_finite()).then_some(Self { center, radius })
     }
 
     /// Centre.
@@ -100,8 +99,7 @@ impl Sphere {
     fn pdf_from_inside(&self, from: Vec3A, point: &SurfacePoint) -> f32 {
         let span = from.as_dvec3() - point.position.as_dvec3();
         // Distance squared over cosine.
-        let foreshortening =
-            span.length_squared() * span.length() / span.dot(point.normal.as_dvec3()).abs();
+        let foreshortening = span.length_squared() * span.length() / span.dot(point.normal.as_dvec3()).abs();
         (foreshortening / f64::from(self.area())) as f32
     }
 
@@ -121,11 +119,7 @@ impl Sphere {
         let cos = ((distance2 - radius2) / distance2).sqrt();
         // 1 - cos itself would cancel for a small or far sphere.
         let one_minus_cos = sin2 / (1.0 + cos);
-        Some(Cone {
-            axis: span / distance2.sqrt(),
-            sin2,
-            one_minus_cos,
-        })
+        Some(Cone { axis: span / distance2.sqrt(), sin2, one_minus_cos })
     }
 
     #[inline]

@@ -17,20 +17,14 @@ impl Triangle {
     /// A triangle from its vertices, counter-clockwise seen from the side of its normal;
     /// `None` when it has no area.
     pub fn new(vertices: [Vec3; 3]) -> Option<Self> {
-        let triangle = Self {
-            vertices: vertices.map(|v| v.to_array()),
-            normals: NO_NORMALS,
-        };
+        let triangle = Self { vertices: vertices.map(|v| v.to_array()), normals: NO_NORMALS };
         let area = triangle.area();
         (area > 0.0 && area.is_finite()).then_some(triangle)
     }
 
     /// The same triangle with its vertex normals at `index` of the geometry's list.
     pub(crate) const fn with_normals(self, index: u32) -> Self {
-        Self {
-            normals: index,
-            ..self
-        }
+        Self { normals: index, ..self }
     }
 
     /// Where the geometry keeps the vertex normals, if the mesh had any.
@@ -47,10 +41,7 @@ impl Triangle {
     /// A box around the triangle.
     pub fn bounds(&self) -> Bounds {
         let [a, b, c] = self.vertices.map(Vec3A::from);
-        Bounds {
-            min: a.min(b).min(c),
-            max: a.max(b).max(c),
-        }
+        Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
     }
 
     /// The place where `ray` meets the triangle, edges and vertices included.
@@ -123,8 +114,5 @@ pub(super) fn meet_sheared([a, b, c]: [DVec3; 3]) -> Option<(f64, [f64; 3])> {
     }
     let inverse = 1.0 / determinant;
     let weights = [across_a * inverse, across_b * inverse, across_c * inverse];
-    Some((
-        weights[0] * a.z + weights[1] * b.z + weights[2] * c.z,
-        weights,
-    ))
+    Some((weights[0] * a.z + weights[1] * b.z + weights[2] * c.z, weights))
 }

@@ -1,0 +1,138 @@
+//! Transport through media and many wavelengths against closed forms.
+
+mod common;
+
+use common::{SIGMAS, assert_reads, luminance, metered, read_one};
+use etalon::integrator::Reading;
+use serde_json::{Value, json};
+
+/// A closed sphere that shines with 100 cd/m2 and reflects nothing, around an object.
+fn furnace(material: Value, shape: Value, meter: Value) -> Reading {
+    let materials = json!({ "shell": { "lambertian": { "reflectance": 0 } }, "m": material });
+    let objects = json!([
+        { "shape": { "sphere": { "center": [0, 0, 0], "radius": 3 } }, "material": "shell",
+          "emission": { "spectrum": "d65", "level": { "luminance_cd_m2": 100 }, "two_sided": true } },
+        { "shape": shape, "material": "m" }
+    ]);
+    read_one(&metered(materials, objects, json!([]), meter), 1 << 18)
+}
+
+fn ball() -> Value {
+    json!({ "sphere": { "center": [0, 0, 0], "radius": 1 } })
+}
+
+/// Lossless glass of any dispersion disappears in a furnace: radiance over n^2 is conserved.
+#[test]
+fn lossless_glass_disappears_in_a_furnace() {
+    let glasses = [
+        ("constant", json!({ "dielectric": { "index": 1.5 } })),
+        ("flint", json!({ "dielectric": { "index": "n-sf11" } })),
+        ("diamond", json!({ "dielectric": { "index": "diamond" } })),
+        ("low Abbe number", json!({ "dielectric": { "index": { "abbe": { "nd": 1.6, "vd": 20 } } } })),
+        ("bubble in water", json!({ "dielectric": { "index": 1, "outside_index": "water" } })),
+        ("nothing", json!({ "dielectric": { "index": 1 } })),
+        ("ground nothing", json!({ "dielectric": { "index": 1, "roughness_alpha": 0.3 } })),
+    ];
+    for (name, glass) in glasses {
+        let reading = furnace(glass, ball(), luminance([0.2, 0.55, -2.0], [0.0, 0.0, 1.0]));
+        assert_reads(name, &reading, 100.0, 4e-3);
+    }
+}
+
+/// Seen from inside glass, a furnace is brighter by n^2.
+#[test]
+fn radiance_inside_glass_is_larger_by_the_square_of_its_index() {
+    let reading =
+        furnace(json!({ "dielectric": { "index": 1.5 } }), ball(), luminance([0.0; 3], [0.1, 0.2, 1.0]));
+    assert_reads("camera in glass", &reading, 225.0, 2e-3);
+}
+
+/// Rough conductors and dielectrics lose what a second facet would scatter, and gain nothing:
+/// GGX with alpha 1 and reflectance 1 keeps 1 - ln 2 at normal incidence.
+#[test]
+fn the_roughest_mirror_keeps_its_closed_form_share() {
+    let perfect = json!({ "conductor": { "metal": { "n": 0, "k": 1 }, "roughness_alpha": 1 } });
+    let plate = json!({ "disk": { "center": [0, 0, 1], "normal": [0, 0, -1], "radius": 0.2 } });
+    let reading = furnace(perfect, plate, luminance([0.0; 3], [0.0, 0.0, 1.0]));
+    assert_reads("roughest mirror", &reading, 100.0 * (1.0 - std::f64::consts::LN_2), 2e-3);
+}
+
+/// Two narrow bands through ground dispersive glass at once, with all wavelengths on one
+/// path, and each alone through glass of the index that it has there: the sums agree.
+#[test]
+fn wavelengths_that_share_a_rough_path_are_weighed_right() {
+    let peak = |nm: f64, height: f64| (vec![nm - 2.0, nm, nm + 2.0], vec![0.0, height, 0.0]);
+    let lamp = |bands: &[(f64, f64)]| {
+        let (mut wavelengths_nm, mut values) = (Vec::new(), Vec::new());
+        for (nm, height) in bands {
+            let (w, v) = peak(*nm, *height);
+            wavelengths_nm.extend(w);
+            values.extend(v);
+        }
+        json!({ "spectrum": { "table": { "wavelengths_nm": wavelengths_nm, "values": values } },
+            "level": { "spectral_radiance_factor": 1 } })
+    };
+    let read = |index: Value, bands: &[(f64, f64)]| {
+        let materials = json!({ "black": { "lambertian": { "reflectance": 0 } },
+            "ground": { "dielectric": { "index": index, "roughness_alpha": 0.15 } } });
+        let objects = json!([
+            { "shape": { "disk": { "center": [0.9, 0, 2], "normal": [0, 0, -1], "radius": 0.5 } }, "material": "black",
+              "emission": lamp(bands) },
+            { "shape": { "box": { "min": [-3, -3, 0], "max": [3, 3, 0.5] } }, "material": "ground" }
+        ]);
+        let meter = luminance([0.0, 0.0, -1.0], [0.3, 0.1, 1.0]);
+        read_one(&metered(materials, objects, json!([]), meter), 1 << 20)
+    };
+    // Strong dispersion: n = 1.35 + 0.05 / lambda^2, 1.597 at 450 nm and 1.468 at 650 nm.
+    let index_at = |nm: f64| 1.35 + 0.05 / (nm * nm * 1e-6);
+    let both = read(json!({ "cauchy": { "a": 1.35, "b_um2": 0.05 } }), &[(450.0, 3.0), (650.0, 1.0)]);
+    let blue = read(json!(index_at(450.0)), &[(450.0, 3.0)]);
+    let red = read(json!(index_at(650.0)), &[(650.0, 1.0)]);
+    let sum = blue.photometric.mean + red.photometric.mean;
+    let error = [&both, &blue, &red].iter().map(|r| r.photometric.standard_error.powi(2)).sum::<f64>().sqrt();
+    assert!(error < 0.01 * sum, "too noisy to judge: {sum} +- {error}");
+    assert!(
+        (both.photometric.mean - sum).abs() < SIGMAS * error,
+        "{} against {sum} +- {error}",
+        both.photometric.mean
+    );
+    // The blue share by itself: Z comes from the 450 nm band alone.
+    let z_ratio = both.xyz[2] / (blue.xyz[2] + red.xyz[2]);
+    assert!((z_ratio - 1.0).abs() < 0.03, "Z ratio {z_ratio}");
+}
+
+/// A matte ball inside a glass shell: what lands on it has crossed the surface both ways.
+/// In a furnace the ball of reflectance 1 disappears as well.
+#[test]
+fn a_white_core_inside_glass_disappears_in_a_furnace() {
+    let materials = json!({ "shell": { "lambertian": { "reflectance": 0 } }, "glass": { "dielectric": { "index": "n-sf11" } },
+        "white": { "lambertian": { "reflectance": 1 } } });
+    let objects = json!([
+        { "shape": { "sphere": { "center": [0, 0, 0], "radius": 3 } }, "material": "shell",
+          "emission": { "spectrum": "d65", "level": { "luminance_cd_m2": 100 }, "two_sided": true } },
+        { "shape": ball(), "material": "glass" },
+        { "shape": { "sphere": { "center": [0, 0, 0], "radius": 0.5 } }, "material": "white" }
+    ]);
+    let scene = metered(materials, objects, json!([]), luminance([0.1, 0.2, -2.0], [0.0, 0.0, 1.0]));
+    assert_reads("white core", &read_one(&scene, 1 << 19), 100.0, 4e-3);
+}
+
+/// Scaling all lengths by a power of two changes no bit of a luminance.
+#[test]
+fn length_units_change_no_bit() {
+    let read = |scale: f64| {
+        let materials = json!({ "glass": { "dielectric": { "index": "n-bk7" } }, "wall": { "lambertian": { "reflectance": 0.5 } } });
+        let at = |v: [f64; 3]| json!(v.map(|c| c * scale));
+        let objects = json!([
+            { "shape": { "sphere": { "center": at([0.1, 0.2, 0.3]), "radius": 3.0 * scale } }, "material": "wall",
+              "emission": { "spectrum": "d65", "level": { "luminance_cd_m2": 100 }, "two_sided": true } },
+            { "shape": { "box": { "min": at([-1.0, -0.7, -0.3]), "max": at([0.4, 0.5, 0.6]) } }, "material": "glass" }
+        ]);
+        let meter = luminance([0.2 * scale, 0.3 * scale, -2.0 * scale], [0.1, 0.0, 1.0]);
+        read_one(&metered(materials, objects, json!([]), meter), 1 << 12).xyz.map(f64::to_bits)
+    };
+    let truth = read(1.0);
+    for exponent in [-20, -3, 1, 20] {
+        assert_eq!(read(2.0_f64.powi(exponent)), truth, "2^{exponent}");
+    }
+}
