@@ -58,7 +58,8 @@ impl Effort {
 
 fn seconds(text: &str) -> Result<Duration, String> {
     let value: f64 = text.parse().map_err(|_| "give a number of seconds, such as 60".to_owned())?;
-    Duration::try_from_secs_f64(value).map_err(|_| "give a positive number of seconds, such as 60".to_owned())
+    let time = Duration::try_from_secs_f64(value).ok().filter(|time| !time.is_zero());
+    time.ok_or_else(|| "give a positive number of seconds, such as 60".to_owned())
 }
 
 fn resolution(text: &str) -> Result<[u32; 2], String> {

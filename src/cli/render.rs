@@ -4,6 +4,7 @@ use super::arguments::Effort;
 use super::progress::Bar;
 use clap::Args;
 use etalon::camera::Development;
+use etalon::error::{Error, Result};
 use etalon::image::{Facts, Layers, write_developed, write_exr};
 use etalon::integrator::{Rendering, render};
 use etalon::scene::{Plan, Scene, View};
@@ -34,6 +35,11 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    // Before rendering: hours of work should not end in a name that cannot be written.
+    check_output(&arguments.output, &["exr"], "the output is an OpenEXR file")?;
+    if let Some(png) = &arguments.png {
+        check_output(png, &["png", "tif", "tiff"], "a developed picture is a PNG or a TIFF")?;
+    }
     arguments.effort.start_threads()?;
     let scene = Scene::load(&arguments.scene)?;
     let mut view = arguments.effort.resize(scene.view().map_err(|e| e.in_file(&arguments.scene))?);
@@ -52,16 +58,39 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     )?;
     let error =
         facts.relative_error.map_or_else(String::new, |e| format!(", relative error {:.2} %", 100.0 * e));
-    println!(
+    super::print(&format!(
         "{}: {} samples per pixel in {:.1} s{error}",
         arguments.output.display(),
         facts.samples_per_pixel,
         facts.seconds
-    );
+    ));
     if facts.non_finite_samples > 0 {
         eprintln!("warning: {} samples were not finite and count as zero", facts.non_finite_samples);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Whether a file of this name can be written: its ending, its folder, the permissions.
+fn check_output(file: &Path, endings: &[&str], rule: &str) -> Result<()> {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    if !ending.is_some_and(|ending| endings.contains(&ending.as_str())) {
+        let hint = format!("end the file's name in .{}", endings.join(" or ."));
+        return Err(Error::new(rule).hint(hint).in_file(file));
+    }
+    if file.is_dir() {
+        return Err(Error::new("the output is a folder").hint("choose another name").in_file(file));
+    }
+    let folder =
+        file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+    if !folder.is_dir() {
+        return Err(Error::new("the folder of the output does not exist")
+            .hint("make it first")
+            .in_file(file));
+    }
+    // Only an attempt tells whether the folder may be written to.
+    let probe = file.with_extension(format!("{}.probe", std::process::id()));
+    let attempt = std::fs::File::create_new(&probe).and_then(|_| std::fs::remove_file(&probe));
+    attempt.map_err(|e| Error::io(file, "write to this folder", &e))
 }
 
 /// Renders a view and writes the files; the facts that went into them come back.

@@ -69,7 +69,8 @@ pub(super) fn render(
         if late && block >= 2 {
             break;
         }
-        let size = block_size(budget).min(budget.samples_per_pixel - film.samples_per_pixel()) as u32;
+        let left = budget.samples_per_pixel - film.samples_per_pixel();
+        let size = block_size(budget, film.samples_per_pixel()).min(left) as u32;
         render_block(
             tracer,
             view,
@@ -85,9 +86,14 @@ pub(super) fn render(
     Rendering { film, elapsed: started.elapsed() }
 }
 
-fn block_size(budget: &Budget) -> u64 {
-    let few = (budget.samples_per_pixel / u64::from(FEWEST_BLOCKS)).max(1);
-    few.min(u64::from(BLOCK_SAMPLES))
+/// Samples of the next block. Against the clock blocks double from one, so that even a short
+/// time holds several.
+fn block_size(budget: &Budget, taken: u64) -> u64 {
+    let fitting = match budget.time {
+        Some(_) => taken,
+        None => budget.samples_per_pixel / u64::from(FEWEST_BLOCKS),
+    };
+    fitting.clamp(1, u64::from(BLOCK_SAMPLES))
 }
 
 /// One block of a run.

@@ -75,8 +75,8 @@ impl<'a> Stage<'a> {
         DVec3::from_array(point.map(|c| self.unit.metres(c)))
     }
 
-    /// A position in metres.
-    fn point(&self, point: Vector, key: &str) -> Result<DVec3> {
+    /// A position in metres; an error names the key, or the place in a list.
+    fn point(&self, point: Vector, key: impl std::fmt::Display) -> Result<DVec3> {
         let metres = self.metres(point);
         match (0..3).find(|&axis| metres[axis].abs() > FARTHEST_M) {
             None => Ok(metres),
@@ -85,12 +85,8 @@ impl<'a> Stage<'a> {
     }
 
     fn points(&self, points: &[Vector], key: &str) -> Result<Vec<DVec3>> {
-        let one = |(index, point): (usize, &Vector)| {
-            self.point(*point, "").map_err(|e| {
-                Error { pointer: e.pointer.map(|p| p[1..].to_owned()), ..e }.under(index).under(key)
-            })
-        };
-        points.iter().enumerate().map(one).collect()
+        let numbered = points.iter().enumerate();
+        numbered.map(|(index, point)| self.point(*point, index).map_err(|e| e.under(key))).collect()
     }
 
     fn radius(&self, radius: f64) -> Result<f64> {

@@ -48,7 +48,7 @@ impl<'a> Spectra<'a> {
                     _ => "a spectrum described in the scene".to_owned(),
                 };
                 let remark = format!(
-                    "known from {} to {} nm; outside, with {:.2} % of the luminous response, {rule}",
+                    "known from {} to {} nm; outside, with {:.4} % of the luminous response, {rule}",
                     range.0,
                     range.1,
                     100.0 * share

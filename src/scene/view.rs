@@ -1,12 +1,13 @@
 //! The camera of a scene: placement, lens, exposure and sensor from what the file says.
 
 use super::View;
-use super::file::CameraFile;
+use super::file::{CameraFile, SpectrumFile};
 use super::objects::{Built, unit_vector};
 use super::spectra::Spectra;
-use crate::camera::{Camera, CameraPlacement, Exposure, LensAperture, Sensor};
+use crate::camera::{CIE_SENSOR, Camera, CameraPlacement, Exposure, LensAperture, Sensor};
 use crate::error::{Error, Result};
-use crate::spectrum::colour::xyz_of;
+use crate::spectrum::colour::{Xyz, xyz_of};
+use crate::spectrum::library;
 use glam::DVec3;
 
 /// A camera in numbers that photographers know it by.
@@ -38,7 +39,7 @@ pub(super) fn build(file: &CameraFile, built: &Built, spectra: &mut Spectra<'_>)
     let exposure = exposure(file)?;
     let focal_length_mm = positive(file.focal_length_mm, "focal_length_mm", "50")?;
     for (side, length) in file.sensor_mm.iter().enumerate() {
-        positive(*length, "sensor_mm", "[36, 24]").map_err(|e| e.under(side))?;
+        positive(*length, side, "[36, 24]").map_err(|e| e.under("sensor_mm"))?;
     }
     let pixels = file.resolution.map(u64::from);
     /// Beyond this the film alone takes tens of gigabytes.
@@ -58,20 +59,50 @@ pub(super) fn build(file: &CameraFile, built: &Built, spectra: &mut Spectra<'_>)
         None => focal_length_mm,
     };
     let half_extent = file.sensor_mm.map(|side| 0.5 * side / image_distance_mm);
+    if let Some(side) = half_extent.iter().position(|half| *half == 0.0 || !half.is_finite()) {
+        return Err(Error::new(format!(
+            "a sensor of {} mm at {image_distance_mm} mm has no angle of view",
+            file.sensor_mm[side]
+        ))
+        .hint("check sensor_mm and focal_length_mm, for example [36, 24] and 50")
+        .under(side)
+        .under("sensor_mm"));
+    }
     if file.principal_point_px.iter().any(|p| !p.is_finite()) {
-        return Err(Error::new("the principal point must be finite").under("principal_point_px"));
+        return Err(Error::new("the principal point must be finite")
+            .hint("for example [0, 0]")
+            .under("principal_point_px"));
     }
     let camera =
         Camera::new(placement(file, built)?, file.resolution, half_extent, file.principal_point_px, aperture);
-    let sensor = Sensor::named(&file.sensor).map_err(|e| e.under("sensor"))?;
+    let sensor = sensor(&file.sensor).map_err(|e| e.under("sensor"))?;
     let white = match &file.white_balance {
-        Some(spectrum) => Some(xyz_of(&spectra.emission(spectrum).map_err(|e| e.under("white_balance"))?)),
+        Some(spectrum) => Some(white_of(spectrum, spectra).map_err(|e| e.under("white_balance"))?),
         None => None,
     };
     Ok(View { camera, exposure, sensor, focal_length_mm, white })
 }
 
-fn positive(value: f64, key: &str, example: &str) -> Result<f64> {
+/// The sensor of a name; tables of other kinds are none.
+fn sensor(name: &str) -> Result<Sensor> {
+    let cameras = library::entries().filter(|entry| entry.kind == "sensitivity").map(|entry| entry.name);
+    let known: Vec<&str> = cameras.chain([CIE_SENSOR]).collect();
+    if known.contains(&name) {
+        return Sensor::named(name);
+    }
+    Err(Error::unknown_name("sensor", name, known))
+}
+
+/// Tristimulus values of the light that is developed white.
+fn white_of(spectrum: &SpectrumFile, spectra: &mut Spectra<'_>) -> Result<Xyz> {
+    let white = xyz_of(&spectra.emission(spectrum)?);
+    if white.iter().all(|value| *value > 0.0 && value.is_finite()) {
+        return Ok(white);
+    }
+    Err(Error::new("a white without visible light").hint("name an illuminant, such as \"d65\""))
+}
+
+fn positive(value: f64, key: impl std::fmt::Display, example: &str) -> Result<f64> {
     if value > 0.0 && value.is_finite() {
         return Ok(value);
     }
@@ -103,7 +134,13 @@ fn aperture(file: &CameraFile, built: &Built, focal_length_mm: f64) -> Result<Op
             .hint("focus farther away than the focal length, in the scene's length unit")
             .under("focus_distance"));
     }
-    Ok(Some(LensAperture { radius: 0.5 * focal_length / file.f_stop.0, focus_distance }))
+    let radius = 0.5 * focal_length / file.f_stop.0;
+    if !(radius as f32).is_finite() {
+        return Err(Error::new(format!("an aperture of f/{:e} is too wide to be held", file.f_stop.0))
+            .hint("for example 8")
+            .under("f_stop"));
+    }
+    Ok(Some(LensAperture { radius, focus_distance }))
 }
 
 fn placement(file: &CameraFile, built: &Built) -> Result<CameraPlacement> {
@@ -127,7 +164,9 @@ fn placement(file: &CameraFile, built: &Built) -> Result<CameraPlacement> {
     };
     let right = forward.cross(unit_vector(file.up, "up")?);
     if right.length() < 1e-9 {
-        return Err(Error::new("up is along the line of sight").hint("choose another up").under("up"));
+        return Err(Error::new("up is along the line of sight")
+            .hint("give a direction across it, such as [0, 1, 0]")
+            .under("up"));
     }
     let right = right.normalize();
     Ok(CameraPlacement { position, forward, right, up: DVec3::cross(right, forward) })
