@@ -11,7 +11,7 @@
 //! ```
 //!
 //! (Kajiya 1986), and each factor has its module. The way of a render:
-//! [`scene::file`] (what the JSON says) is resolved into a [`scene::Scene`] (which cannot be
+//! [`mod@scene::file`] (what the JSON says) is resolved into a [`scene::Scene`] (which cannot be
 //! wrong), [`scene::Plan`] says what that scene needs, [`integrator::render`] fills a
 //! [`camera::Film`] in absolute units, [`image`] writes it with its facts and develops it.
 //!

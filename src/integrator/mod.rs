@@ -1,7 +1,7 @@
 //! Algorithms that turn a scene into a picture: one list, one door.
 //!
 //! [`Integrator`] is what a user names; [`render`] runs it. Path tracing asks each pixel for
-//! its radiance ([`path`]); the block loop that feeds the film is [`blocks`].
+//! its radiance (`path`); the block loop that feeds the film is `blocks`.
 
 mod blocks;
 mod measure;

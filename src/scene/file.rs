@@ -1,7 +1,7 @@
 //! What a scene's JSON says, key by key; it can be wrong, and nothing is resolved yet.
 //!
 //! Keys carry their unit. Alternatives are externally tagged (`{"sphere": {...}}`), which
-//! lets every fault be reported at its line and column. [`super::build`] turns this into a
+//! lets every fault be reported at its line and column. Building turns this into a
 //! [`super::Scene`], which cannot be wrong.
 
 use crate::units::{Candelas, CandelasPerSquareMeter, FStop, Iso, Lumens, Seconds, Watts};

@@ -1,4 +1,4 @@
-//! Scenes: what the file says ([`file`]), what it means ([`Scene`]), what it needs ([`Plan`]).
+//! Scenes: what the file says ([`mod@file`]), what it means ([`Scene`]), what it needs ([`Plan`]).
 
 mod build;
 pub mod file;

@@ -62,11 +62,6 @@ impl<'a> Spectra<'a> {
         Ok(curve)
     }
 
-    /// Reads a spectrum for its faults alone.
-    pub fn check(&self, spectrum: &SpectrumFile) -> Result<()> {
-        Self::new(self.folder, self.own).curve(spectrum, Purpose::Emission).map(|_| ())
-    }
-
     /// A reflectance: 0 to 1 everywhere.
     pub fn reflectance(&mut self, spectrum: &SpectrumFile) -> Result<Dense> {
         let curve = self.curve(spectrum, Purpose::Reflectance)?;
@@ -76,7 +71,7 @@ impl<'a> Spectra<'a> {
                 "a reflectance lies between 0 and 1; measured noise below zero is clipped in the table",
             ));
         }
-        if !(high <= 1.0) {
+        if high.is_nan() || high > 1.0 {
             return Err(Error::new(format!("a reflectance of {high} is above 1"))
                 .hint("a reflectance lies between 0 and 1; use \"factor\": 0.01 for a table in per cent"));
         }
@@ -212,7 +207,7 @@ impl<'a> Spectra<'a> {
     /// Reads one of the scene's own spectra, after those that it names: a fault is reported
     /// where it stands, even where nothing uses the spectrum.
     pub fn check_own(
-        &mut self,
+        &self,
         name: &'a str,
         named_by: &mut Vec<&'a str>,
         sound: &mut BTreeSet<&'a str>,
@@ -241,9 +236,7 @@ impl<'a> Spectra<'a> {
             self.check_own(next, named_by, sound)?;
         }
         named_by.pop();
-        let before = self.notes.len();
-        self.curve(spectrum, Purpose::Emission).map_err(|e| e.under(name).under("spectra"))?;
-        self.notes.truncate(before);
+        self.check(spectrum).map_err(|e| e.under(name).under("spectra"))?;
         sound.insert(name);
         Ok(())
     }

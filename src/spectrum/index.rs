@@ -41,7 +41,7 @@ impl RefractiveIndex {
         if !(nd >= 1.0 && nd.is_finite()) {
             return Err(Error::new(format!("the index nd = {nd} is not a number from 1 up")));
         }
-        if !(vd > 0.0) {
+        if vd.is_nan() || vd <= 0.0 {
             return Err(Error::new(format!("the Abbe number {vd} is not positive"))
                 .hint("leave vd out, or use a constant index, where there is no dispersion"));
         }
