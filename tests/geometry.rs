@@ -1,12 +1,9 @@
 //! Rays meet what they should, and nothing else.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a set-up that fails is a test that fails"
-)]
+#![expect(clippy::unwrap_used, reason = "a set-up that fails is a test that fails")]
 
 use etalon::geometry::{
-    Geometry, GeometryBuilder, Mesh, PreciseRay, Primitive, Ray, Shape, ShapeError, Transform,
-    icosphere, specimens,
+    Geometry, GeometryBuilder, Mesh, PreciseRay, Primitive, Ray, Shape, ShapeError, Transform, icosphere,
+    specimens,
 };
 use glam::{DVec3, Vec3A};
 use std::f64::consts::TAU;
@@ -16,10 +13,7 @@ struct Random(u64);
 
 impl Random {
     fn bits(&mut self) -> u32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         let mixed = ((self.0 >> 18) ^ self.0) >> 27;
         (mixed as u32).rotate_right((self.0 >> 59) as u32)
     }
@@ -69,14 +63,7 @@ fn mirror() -> Transform {
 /// Height of a level square, in metres, for tests that need a plain floor.
 fn level_square(height: f64) -> Shape {
     let corner = |x, y| DVec3::new(x, y, height);
-    Shape::Quad {
-        vertices: [
-            corner(-1.0, -1.0),
-            corner(1.0, -1.0),
-            corner(1.0, 1.0),
-            corner(-1.0, 1.0),
-        ],
-    }
+    Shape::Quad { vertices: [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)] }
 }
 
 fn radius_of(primitive: &Primitive) -> Option<f32> {
@@ -101,9 +88,7 @@ fn rays_from_a_surface_never_meet_it_again() {
             let mut random = Random(1);
             for i in 0..SELF_HIT_RAYS {
                 let id = random.bits() % geometry.primitive_count();
-                let mut point = geometry
-                    .primitive(id)
-                    .sample_area([random.unit(), random.unit()]);
+                let mut point = geometry.primitive(id).sample_area([random.unit(), random.unit()]);
                 let mut start = id;
                 if i % 2 == 1 {
                     // Arrive by a ray instead of by sampling.
@@ -115,9 +100,7 @@ fn rays_from_a_surface_never_meet_it_again() {
                     (point, start) = (hit.point, hit.primitive);
                 }
                 // Cosines down to 1e-6, as many in each decade.
-                let cosine = 10f32
-                    .powf(-6.0 * random.unit())
-                    .copysign(random.unit() - 0.5);
+                let cosine = 10f32.powf(-6.0 * random.unit()).copysign(random.unit() - 0.5);
                 let tangent = point.normal.cross(random.direction()).normalize_or_zero();
                 let sine = (1.0 - cosine * cosine).sqrt();
                 let direction = (point.normal * cosine + tangent * sine).normalize();
@@ -131,10 +114,7 @@ fn rays_from_a_surface_never_meet_it_again() {
                 };
                 // Turned, slivers as narrow as a few roundings are no longer flat together.
                 let outward = cosine > 0.0 && name != "sliver box";
-                assert!(
-                    !outward,
-                    "{name}: convex, but met from outside: {hit:?} {cosine}"
-                );
+                assert!(!outward, "{name}: convex, but met from outside: {hit:?} {cosine}");
                 if hit.primitive == start {
                     let radius = radius_of(geometry.primitive(start));
                     let radius = radius.unwrap_or_else(|| panic!("{name}: {hit:?} {cosine}"));
@@ -174,10 +154,7 @@ fn the_true_point_lies_in_the_error_box() {
                 Primitive::Cylinder(_) => continue,
             };
             let bound = f64::from(hit.point.normal.abs().dot(hit.point.error)) * (1.0 + 1e-6);
-            assert!(
-                off.abs() <= bound,
-                "{name}: off by {off:e}, bound {bound:e}"
-            );
+            assert!(off.abs() <= bound, "{name}: off by {off:e}, bound {bound:e}");
         }
     }
 }
@@ -193,12 +170,7 @@ fn inside_a_convex_body_every_point_sees_every_other() {
         for _ in 0..200_000 {
             let mut sample = || {
                 let id = random.bits() % geometry.primitive_count();
-                (
-                    id,
-                    geometry
-                        .primitive(id)
-                        .sample_area([random.unit(), random.unit()]),
-                )
+                (id, geometry.primitive(id).sample_area([random.unit(), random.unit()]))
             };
             let ((first, from), (second, to)) = (sample(), sample());
             if first == second && radius_of(geometry.primitive(first)).is_none() {
@@ -256,19 +228,9 @@ fn outline(primitive: &Primitive, random: &mut Random) -> Vec<Vec3A> {
 
 #[test]
 fn closed_bodies_leak_no_ray() {
-    let unit_box = Shape::Box {
-        min: DVec3::ZERO,
-        max: DVec3::ONE,
-    };
-    let from_dyadic = Shape::Box {
-        min: DVec3::splat(-0.5),
-        max: DVec3::splat(0.5),
-    };
-    let capped = specimens()
-        .into_iter()
-        .find(|s| s.0 == "capped cylinder")
-        .unwrap()
-        .1;
+    let unit_box = Shape::Box { min: DVec3::ZERO, max: DVec3::ONE };
+    let from_dyadic = Shape::Box { min: DVec3::splat(-0.5), max: DVec3::splat(0.5) };
+    let capped = specimens().into_iter().find(|s| s.0 == "capped cylinder").unwrap().1;
     let bodies = [
         ("box", unit_box, Vec3A::splat(0.5)),
         ("centred box", from_dyadic, Vec3A::ZERO),
@@ -290,11 +252,7 @@ fn closed_bodies_leak_no_ray() {
                     2 => (a + b) * 0.5,
                     _ => a + (b - a) * random.unit(),
                 };
-                let origin = if i % 2 == 0 {
-                    inside
-                } else {
-                    inside + random.direction() * 0.05
-                };
+                let origin = if i % 2 == 0 { inside } else { inside + random.direction() * 0.05 };
                 // Not of unit length: normalising would spoil the aim.
                 let aimed = Ray::new(origin, target - origin);
                 assert!(geometry.intersect(&aimed).is_some(), "{name}: {aimed:?}");
@@ -302,10 +260,7 @@ fn closed_bodies_leak_no_ray() {
                 assert!(geometry.intersect(&ray).is_some(), "{name}: {ray:?}");
                 assert!(geometry.occluded(&ray), "{name}: {ray:?}");
                 let anywhere = Ray::new(origin, random.direction());
-                assert!(
-                    geometry.intersect(&anywhere).is_some(),
-                    "{name}: {anywhere:?}"
-                );
+                assert!(geometry.intersect(&anywhere).is_some(), "{name}: {anywhere:?}");
             }
         }
     }
@@ -320,11 +275,8 @@ fn mixed_scene() -> Geometry {
             let size = f64::from(random.between(0.02, 0.3));
             let place = Transform::in_order(&[
                 Transform::scale(DVec3::splat(size)).unwrap(),
-                Transform::rotate(
-                    random.direction().as_dvec3(),
-                    f64::from(random.between(0.0, 360.0)),
-                )
-                .unwrap(),
+                Transform::rotate(random.direction().as_dvec3(), f64::from(random.between(0.0, 360.0)))
+                    .unwrap(),
                 Transform::translate(random.direction().as_dvec3()).unwrap(),
             ]);
             builder.add_object(&shape, &place.unwrap()).unwrap();
@@ -373,15 +325,10 @@ fn the_tree_finds_what_asking_every_primitive_finds() {
             (Some((t, id)), Some(hit)) => {
                 hits += 1;
                 // At a shared corner any of the faces there may answer.
-                let own = geometry
-                    .primitive(hit.primitive)
-                    .intersect(&PreciseRay::new(&ray));
+                let own = geometry.primitive(hit.primitive).intersect(&PreciseRay::new(&ray));
                 let own = own.unwrap().t;
                 let same = hit.primitive == id || own <= t * (1.0 + 1e-10);
-                assert!(
-                    same && (f64::from(hit.t) - t).abs() <= 1e-7 * t,
-                    "{t} {id}: {hit:?}"
-                );
+                assert!(same && (f64::from(hit.t) - t).abs() <= 1e-7 * t, "{t} {id}: {hit:?}");
                 assert!(geometry.primitives_of(hit.object).contains(&hit.primitive));
                 assert_eq!(geometry.object_of(hit.primitive), hit.object);
             }
@@ -397,13 +344,7 @@ fn scenes_of_none_one_and_two_primitives_answer() {
     assert!(build(&[]).intersect(&down).is_none());
     assert!(build(&[]).bounds().is_empty());
     let floor = (level_square(0.0), Transform::IDENTITY);
-    assert_eq!(
-        build(std::slice::from_ref(&floor))
-            .intersect(&down)
-            .unwrap()
-            .t,
-        0.9
-    );
+    assert_eq!(build(std::slice::from_ref(&floor)).intersect(&down).unwrap().t, 0.9);
     let upper = (level_square(0.5), Transform::IDENTITY);
     assert_eq!(build(&[floor, upper]).intersect(&down).unwrap().object, 1);
 }
@@ -420,14 +361,8 @@ fn very_near_hits_are_found() {
 
 #[test]
 fn spheres_a_hair_apart_are_both_found() {
-    let sphere = |radius| Shape::Sphere {
-        center: DVec3::ZERO,
-        radius,
-    };
-    let geometry = build(&[
-        (sphere(1.0), Transform::IDENTITY),
-        (sphere(1.0 + 4e-5), Transform::IDENTITY),
-    ]);
+    let sphere = |radius| Shape::Sphere { center: DVec3::ZERO, radius };
+    let geometry = build(&[(sphere(1.0), Transform::IDENTITY), (sphere(1.0 + 4e-5), Transform::IDENTITY)]);
     let mut random = Random(7);
     for _ in 0..100_000 {
         let outer = geometry.intersect(&Ray::new(random.direction() * 3.0, Vec3A::X));
@@ -436,9 +371,7 @@ fn spheres_a_hair_apart_are_both_found() {
             continue;
         }
         assert_eq!(outer.object, 1);
-        let inner = geometry
-            .intersect(&outer.point.ray_along(Vec3A::X))
-            .unwrap();
+        let inner = geometry.intersect(&outer.point.ray_along(Vec3A::X)).unwrap();
         assert_eq!(inner.object, 0, "{outer:?} then {inner:?}");
     }
 }
@@ -447,35 +380,17 @@ fn spheres_a_hair_apart_are_both_found() {
 fn a_tiny_sphere_far_away_is_met_where_it_is() {
     let radius = 1e-6;
     let geometry = build(&[
-        (
-            Shape::Sphere {
-                center: DVec3::ZERO,
-                radius,
-            },
-            Transform::IDENTITY,
-        ),
-        (
-            Shape::Sphere {
-                center: DVec3::new(0.0, 9.0, 0.0),
-                radius: 1.0,
-            },
-            Transform::IDENTITY,
-        ),
+        (Shape::Sphere { center: DVec3::ZERO, radius }, Transform::IDENTITY),
+        (Shape::Sphere { center: DVec3::new(0.0, 9.0, 0.0), radius: 1.0 }, Transform::IDENTITY),
     ]);
     let unit = geometry.metres_per_unit() as f32;
     for offset in [-0.99e-6, -0.5e-6, 0.0, 0.9e-6] {
         let origin = Vec3A::new(1e6, offset, 0.0) / unit;
-        assert!(
-            geometry.occluded(&Ray::new(origin, Vec3A::NEG_X)),
-            "{offset}"
-        );
+        assert!(geometry.occluded(&Ray::new(origin, Vec3A::NEG_X)), "{offset}");
     }
     for offset in [-1.01e-6, 1.1e-6] {
         let origin = Vec3A::new(1e6, offset, 0.0) / unit;
-        assert!(
-            !geometry.occluded(&Ray::new(origin, Vec3A::NEG_X)),
-            "{offset}"
-        );
+        assert!(!geometry.occluded(&Ray::new(origin, Vec3A::NEG_X)), "{offset}");
     }
 }
 
@@ -484,22 +399,12 @@ fn of_coincident_faces_the_first_is_met() {
     let [a, b, c, d] =
         [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.3));
     let mesh = |triangles: Vec<[u32; 3]>| {
-        Shape::Mesh(Mesh {
-            positions: vec![a, b, c, d],
-            normals: Vec::new(),
-            triangles,
-        })
+        Shape::Mesh(Mesh { positions: vec![a, b, c, d], normals: Vec::new(), triangles })
     };
-    let quad = Shape::Quad {
-        vertices: [a, b, c, d],
-    };
+    let quad = Shape::Quad { vertices: [a, b, c, d] };
     let halves = mesh(vec![[0, 1, 2], [0, 2, 3]]);
     let others = mesh(vec![[1, 2, 3], [1, 3, 0]]);
-    for order in [
-        [&quad, &halves, &others],
-        [&others, &quad, &halves],
-        [&halves, &others, &quad],
-    ] {
+    for order in [[&quad, &halves, &others], [&others, &quad, &halves], [&halves, &others, &quad]] {
         let placed = order.map(|shape| (shape.clone(), Transform::IDENTITY));
         let geometry = build(&placed);
         let mut random = Random(8);
@@ -526,8 +431,7 @@ fn a_mirror_keeps_the_side_that_faces() {
             let target = plain.bounds().center() + random.direction() * 0.3;
             let ray = Ray::new(origin, (target - origin).normalize());
             let image = Ray::new(ray.origin * flip, ray.direction * flip);
-            let (Some(hit), Some(seen)) = (plain.intersect(&ray), mirrored.intersect(&image))
-            else {
+            let (Some(hit), Some(seen)) = (plain.intersect(&ray), mirrored.intersect(&image)) else {
                 continue;
             };
             // At an edge the two may fall on different faces.
@@ -559,10 +463,7 @@ fn closed_bodies_face_outward() {
                 let ray = Ray::new(origin, (target - origin).normalize());
                 let hit = geometry.intersect(&ray).expect("aimed at the middle");
                 assert!(hit.point.normal.dot(ray.direction) < 0.0, "{name}: {hit:?}");
-                assert!(
-                    hit.shading.normal.dot(hit.point.normal) > 0.0,
-                    "{name}: {hit:?}"
-                );
+                assert!(hit.shading.normal.dot(hit.point.normal) > 0.0, "{name}: {hit:?}");
             }
         }
     }
@@ -580,11 +481,7 @@ fn vertex_normals_are_blended_and_kept_on_the_geometric_side() {
     let hit = geometry.intersect(&ray).unwrap();
     assert_eq!(hit.point.normal, Vec3A::Z);
     let blend = Vec3A::new(0.5 / 2f32.sqrt(), 0.0, -0.5 - 0.5 / 2f32.sqrt()).normalize();
-    assert!(
-        (hit.shading.normal + blend).length() < 1e-6,
-        "{:?}",
-        hit.shading.normal
-    );
+    assert!((hit.shading.normal + blend).length() < 1e-6, "{:?}", hit.shading.normal);
 }
 
 /// The same shape described in other numbers, all lengths times `k`.
@@ -595,9 +492,7 @@ fn scaled(shape: &Shape, k: f64) -> Shape {
             *center *= k;
             *radius *= k;
         }
-        Shape::Cylinder {
-            from, to, radius, ..
-        } => {
+        Shape::Cylinder { from, to, radius, .. } => {
             *from *= k;
             *to *= k;
             *radius *= k;
@@ -619,19 +514,13 @@ fn scale_by_a_power_of_two_changes_no_bit() {
         let k = 2f64.powi(exponent);
         let shift = Transform::translate(DVec3::new(0.37, -0.21, 0.83) * k).unwrap();
         let place = turn.then(&shift).unwrap();
-        let shapes: Vec<_> = specimens()
-            .iter()
-            .map(|(_, shape)| (scaled(shape, k), place))
-            .collect();
+        let shapes: Vec<_> = specimens().iter().map(|(_, shape)| (scaled(shape, k), place)).collect();
         build(&shapes)
     };
     let plain = placed(0);
     for exponent in [-40, -20, -3, 1, 20, 40] {
         let scaled = placed(exponent);
-        assert_eq!(
-            scaled.metres_per_unit(),
-            plain.metres_per_unit() * 2f64.powi(exponent)
-        );
+        assert_eq!(scaled.metres_per_unit(), plain.metres_per_unit() * 2f64.powi(exponent));
         for id in 0..plain.primitive_count() {
             assert_eq!(plain.primitive(id), scaled.primitive(id));
         }
@@ -659,48 +548,28 @@ fn triangles_without_area_are_dropped_and_counted() {
         triangles: vec![[0, 1, 1], [0, 1, 2], [0, 3, 1], [2, 2, 2]],
     };
     let geometry = build(&[(Shape::Mesh(mesh.clone()), Transform::IDENTITY)]);
-    assert_eq!(
-        (geometry.primitive_count(), geometry.degenerate_triangles()),
-        (1, 3)
-    );
+    assert_eq!((geometry.primitive_count(), geometry.degenerate_triangles()), (1, 3));
     assert_eq!(geometry.area_of(0), 0.5);
-    let nothing = Mesh {
-        triangles: vec![[0, 1, 1]],
-        ..mesh
-    };
+    let nothing = Mesh { triangles: vec![[0, 1, 1]], ..mesh };
     let mut builder = GeometryBuilder::new();
-    builder
-        .add_object(&Shape::Mesh(nothing), &Transform::IDENTITY)
-        .unwrap();
-    assert_eq!(
-        builder.build().err(),
-        Some(ShapeError::Vanishes { object: 0 })
-    );
+    builder.add_object(&Shape::Mesh(nothing), &Transform::IDENTITY).unwrap();
+    assert_eq!(builder.build().err(), Some(ShapeError::Vanishes { object: 0 }));
 }
 
 #[test]
 fn a_quad_is_one_parallelogram_or_two_triangles() {
     let count = |vertices: [[f64; 3]; 4]| {
-        let shape = Shape::Quad {
-            vertices: vertices.map(DVec3::from),
-        };
+        let shape = Shape::Quad { vertices: vertices.map(DVec3::from) };
         build(&[(shape, askew())]).primitive_count()
     };
     let (a, b, c) = ([0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1 + 0.2, 0.3, 0.0]);
     assert_eq!(count([a, b, c, [0.2, 0.3, 0.0]]), 1);
     assert_eq!(count([a, b, c, [0.2, 0.31, 0.0]]), 2);
     // An arrowhead, its notch at each corner in turn: the cut must run through the notch.
-    let mut arrow = [
-        [0.0, 0.0, 0.0],
-        [2.0, 1.0, 0.0],
-        [0.0, 2.0, 0.0],
-        [1.0, 1.0, 0.0],
-    ];
+    let mut arrow = [[0.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 0.0]];
     for _ in 0..4 {
         arrow.rotate_left(1);
-        let shape = Shape::Quad {
-            vertices: arrow.map(DVec3::from),
-        };
+        let shape = Shape::Quad { vertices: arrow.map(DVec3::from) };
         let geometry = build(&[(shape, Transform::IDENTITY)]);
         let unit = geometry.metres_per_unit() as f32;
         let area: f32 = (0..2).map(|id| geometry.area_of(id) * unit * unit).sum();
@@ -713,76 +582,30 @@ fn wrong_shapes_are_refused_with_a_reason() {
     let p = DVec3::new;
     let refused = |shape: Shape, to_world: &Transform| {
         let mut builder = GeometryBuilder::new();
-        let error = builder
-            .add_object(&shape, to_world)
-            .expect_err("a wrong shape");
-        assert!(
-            builder.bounds().min.x > builder.bounds().max.x,
-            "nothing may be added"
-        );
+        let error = builder.add_object(&shape, to_world).expect_err("a wrong shape");
+        assert!(builder.bounds().min.x > builder.bounds().max.x, "nothing may be added");
         error
     };
     let stretch = Transform::scale(p(1.0, 1.0, 2.0)).unwrap();
-    let ball = |radius| Shape::Sphere {
-        center: DVec3::ZERO,
-        radius,
-    };
+    let ball = |radius| Shape::Sphere { center: DVec3::ZERO, radius };
     let plain = &Transform::IDENTITY;
-    assert!(matches!(
-        refused(ball(0.0), plain),
-        ShapeError::NotPositive { value: 0.0, .. }
-    ));
-    assert!(matches!(
-        refused(ball(-1.0), plain),
-        ShapeError::NotPositive { .. }
-    ));
-    assert!(matches!(
-        refused(ball(f64::NAN), plain),
-        ShapeError::NotFinite { .. }
-    ));
-    assert_eq!(
-        refused(ball(1.0), &stretch),
-        ShapeError::NotASimilarity { shape: "sphere" }
-    );
-    let flat = Shape::Box {
-        min: DVec3::ZERO,
-        max: p(1.0, 0.0, 1.0),
-    };
-    assert!(matches!(
-        refused(flat, plain),
-        ShapeError::NotPositive { .. }
-    ));
-    let line = Shape::Quad {
-        vertices: [DVec3::ZERO, DVec3::X, DVec3::X * 3.0, DVec3::X * 2.0],
-    };
+    assert!(matches!(refused(ball(0.0), plain), ShapeError::NotPositive { value: 0.0, .. }));
+    assert!(matches!(refused(ball(-1.0), plain), ShapeError::NotPositive { .. }));
+    assert!(matches!(refused(ball(f64::NAN), plain), ShapeError::NotFinite { .. }));
+    assert_eq!(refused(ball(1.0), &stretch), ShapeError::NotASimilarity { shape: "sphere" });
+    let flat = Shape::Box { min: DVec3::ZERO, max: p(1.0, 0.0, 1.0) };
+    assert!(matches!(refused(flat, plain), ShapeError::NotPositive { .. }));
+    let line = Shape::Quad { vertices: [DVec3::ZERO, DVec3::X, DVec3::X * 3.0, DVec3::X * 2.0] };
     assert!(matches!(refused(line, plain), ShapeError::NoExtent { .. }));
-    let bow = Shape::Quad {
-        vertices: [p(0., 0., 0.), p(1., 1., 0.), p(1., 0., 0.), p(0., 1., 0.)],
-    };
+    let bow = Shape::Quad { vertices: [p(0., 0., 0.), p(1., 1., 0.), p(1., 0., 0.), p(0., 1., 0.)] };
     assert_eq!(refused(bow, plain), ShapeError::CrossedQuad);
     let (from, to) = (DVec3::ONE, DVec3::ONE);
-    let thin = Shape::Cylinder {
-        from,
-        to,
-        radius: 1.0,
-        capped: true,
-    };
+    let thin = Shape::Cylinder { from, to, radius: 1.0, capped: true };
     assert!(matches!(refused(thin, plain), ShapeError::NoExtent { .. }));
-    let disk = Shape::Disk {
-        center: DVec3::ZERO,
-        normal: DVec3::ZERO,
-        radius: 1.0,
-    };
+    let disk = Shape::Disk { center: DVec3::ZERO, normal: DVec3::ZERO, radius: 1.0 };
     assert!(matches!(refused(disk, plain), ShapeError::NoExtent { .. }));
-    let mesh = Mesh {
-        positions: vec![DVec3::ZERO],
-        triangles: vec![[0, 0, 7]],
-        ..Mesh::default()
-    };
-    assert!(matches!(
-        refused(Shape::Mesh(mesh), plain),
-        ShapeError::NoSuchVertex { .. }
-    ));
+    let mesh = Mesh { positions: vec![DVec3::ZERO], triangles: vec![[0, 0, 7]], ..Mesh::default() };
+    assert!(matches!(refused(Shape::Mesh(mesh), plain), ShapeError::NoSuchVertex { .. }));
     assert!(Transform::scale(p(1.0, 0.0, 1.0)).is_err());
     assert!(Transform::rotate(DVec3::ZERO, 10.0).is_err());
 }
@@ -793,19 +616,11 @@ fn transforms_apply_in_the_order_of_the_list() {
     let shift = Transform::translate(DVec3::X).unwrap();
     let both = Transform::in_order(&[turn, shift]).unwrap();
     assert_eq!(both.point(DVec3::X), DVec3::new(1.0, 1.0, 0.0));
-    let back = Transform::matrix([
-        [2.0, 0.0, 0.0, 5.0],
-        [0.0, 2.0, 0.0, 0.0],
-        [0.0, 0.0, -2.0, 0.0],
-    ]);
+    let back = Transform::matrix([[2.0, 0.0, 0.0, 5.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, -2.0, 0.0]]);
     let back = back.unwrap();
     assert_eq!(back.point(DVec3::ONE), DVec3::new(7.0, 2.0, -2.0));
     assert_eq!((back.similarity(), back.mirrors()), (Some(2.0), true));
-    assert!(
-        askew()
-            .similarity()
-            .is_some_and(|scale| (scale - 1.0).abs() < 1e-12)
-    );
+    assert!(askew().similarity().is_some_and(|scale| (scale - 1.0).abs() < 1e-12));
 }
 
 #[test]

@@ -1,8 +1,5 @@
 //! Mesh files, whole and broken.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a set-up that fails is a test that fails"
-)]
+#![expect(clippy::unwrap_used, reason = "a set-up that fails is a test that fails")]
 
 use etalon::geometry::{Mesh, MeshFault, MeshFileError, parse_obj, parse_ply, read_ply};
 use glam::DVec3;
@@ -30,9 +27,7 @@ const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0.1\n0 1 0\n";
 
 #[test]
 fn polygons_become_fans() {
-    let mesh = obj(&format!(
-        "# a square\nmtllib x.mtl\n{VERTICES}vt 0 0\nf 1/1 2/1 3/1 -1\n"
-    ));
+    let mesh = obj(&format!("# a square\nmtllib x.mtl\n{VERTICES}vt 0 0\nf 1/1 2/1 3/1 -1\n"));
     let mesh = mesh.unwrap();
     assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
     assert_eq!((mesh.positions.len(), mesh.normals.len()), (4, 0));
@@ -60,12 +55,7 @@ fn coordinates_keep_double_precision() {
 fn binary_ply_reads_as_text_does() {
     let text = square_ply("4", "1", "").replace("ascii", "binary_little_endian");
     let mut bytes = text.into_bytes();
-    for [x, y, z] in [
-        [0.0f32, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [1.0, 1.0, 0.5],
-        [0.0, 1.0, 0.0],
-    ] {
+    for [x, y, z] in [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.5], [0.0, 1.0, 0.0]] {
         bytes.extend(f64::from(x).to_le_bytes());
         bytes.extend(y.to_le_bytes());
         bytes.extend(z.to_le_bytes());
@@ -78,10 +68,7 @@ fn binary_ply_reads_as_text_does() {
     assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.5));
     assert_eq!(mesh.triangles.len(), 2);
     for length in 0..bytes.len() {
-        assert!(
-            parse_ply(Path::new("b.ply"), &bytes[..length]).is_err(),
-            "cut at {length}"
-        );
+        assert!(parse_ply(Path::new("b.ply"), &bytes[..length]).is_err(), "cut at {length}");
     }
 }
 
@@ -164,10 +151,7 @@ fn a_list_that_announces_more_than_there_is_costs_no_memory() {
 fn a_missing_file_is_named() {
     let error = read_ply(Path::new("no/such/file.ply")).unwrap_err();
     assert!(matches!(error.what, MeshFault::Io(_)));
-    assert!(
-        error.to_string().starts_with("no/such/file.ply: "),
-        "{error}"
-    );
+    assert!(error.to_string().starts_with("no/such/file.ply: "), "{error}");
 }
 
 #[test]

@@ -1,8 +1,5 @@
 //! Points land on surfaces as densely as they say.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a set-up that fails is a test that fails"
-)]
+#![expect(clippy::unwrap_used, reason = "a set-up that fails is a test that fails")]
 
 use etalon::geometry::primitive::Sphere;
 use etalon::geometry::{Geometry, GeometryBuilder, Ray, Transform, specimens};
@@ -15,10 +12,7 @@ struct Random(u64);
 impl Random {
     /// Uniform in [0, 1).
     fn unit(&mut self) -> f32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         let mixed = ((self.0 >> 18) ^ self.0) >> 27;
         let bits = (mixed as u32).rotate_right((self.0 >> 59) as u32);
         (bits >> 8) as f32 / (1 << 24) as f32
@@ -53,10 +47,7 @@ impl Means {
     fn get(&self, index: usize) -> (f64, f64) {
         let [sum, squares] = self.sums[index];
         let mean = sum / self.count;
-        (
-            mean,
-            (squares / self.count - mean * mean).max(0.0) / self.count,
-        )
+        (mean, (squares / self.count - mean * mean).max(0.0) / self.count)
     }
 }
 
@@ -86,19 +77,10 @@ fn by_sampling(geometry: &Geometry, random: &mut Random) -> Means {
             if geometry.primitive_count() > 8 && random.unit() >= 1.0 / 64.0 {
                 continue;
             }
-            let share = if geometry.primitive_count() > 8 {
-                64.0
-            } else {
-                1.0
-            };
+            let share = if geometry.primitive_count() > 8 { 64.0 } else { 1.0 };
             let primitive = geometry.primitive(id);
             let point = primitive.sample_area([random.unit(), random.unit()]);
-            features(
-                point.position,
-                center,
-                share * f64::from(primitive.area()),
-                &mut values,
-            );
+            features(point.position, center, share * f64::from(primitive.area()), &mut values);
         }
         means.add(&values);
         if geometry.primitive_count() > 8 && means.count >= 20_000.0 {
@@ -119,18 +101,13 @@ fn by_crossing_lines(geometry: &Geometry, random: &mut Random) -> Means {
         let (tangent, bitangent) = direction.any_orthonormal_pair();
         let distance = radius * f64::from(random.unit()).sqrt();
         let (sin, cos) = (TAU * f64::from(random.unit())).sin_cos();
-        let origin = center.as_dvec3() - direction * (2.0 * radius)
-            + (tangent * cos + bitangent * sin) * distance;
+        let origin =
+            center.as_dvec3() - direction * (2.0 * radius) + (tangent * cos + bitangent * sin) * distance;
         let direction = direction.as_vec3a();
         let mut ray = Ray::new(origin.as_vec3a(), direction);
         let mut values = [0.0; 12];
         while let Some(hit) = geometry.intersect(&ray) {
-            features(
-                hit.point.position,
-                center,
-                TAU * radius * radius,
-                &mut values,
-            );
+            features(hit.point.position, center, TAU * radius * radius, &mut values);
             ray = hit.point.ray_along(direction);
         }
         means.add(&values);
@@ -152,14 +129,8 @@ fn points_land_uniformly_over_the_area() {
             let ((a, va), (b, vb)) = (sampled.get(index), crossed.get(index));
             let error = (va + vb).sqrt() + 1e-6 * a.abs();
             let total = crossed.get(0).0;
-            assert!(
-                (a - b).abs() <= SIGMA * error,
-                "{name}[{index}]: {a} | {b} +- {error}"
-            );
-            assert!(
-                error <= 0.02 * total,
-                "{name}[{index}]: +- {error} of {total} is too noisy"
-            );
+            assert!((a - b).abs() <= SIGMA * error, "{name}[{index}]: {a} | {b} +- {error}");
+            assert!(error <= 0.02 * total, "{name}[{index}]: +- {error} of {total} is too noisy");
         }
     }
 }
@@ -181,14 +152,8 @@ fn areas_are_those_of_the_closed_forms() {
         builder.add_object(&shape, &Transform::IDENTITY).unwrap();
         let geometry = builder.build().unwrap();
         let unit = geometry.metres_per_unit();
-        let sum: f64 = geometry
-            .primitives_of(0)
-            .map(|id| f64::from(geometry.area_of(id)))
-            .sum();
-        assert!(
-            (sum * unit * unit / area - 1.0).abs() < 1e-6,
-            "{name}: {sum} | {area}"
-        );
+        let sum: f64 = geometry.primitives_of(0).map(|id| f64::from(geometry.area_of(id))).sum();
+        assert!((sum * unit * unit / area - 1.0).abs() < 1e-6, "{name}: {sum} | {area}");
     }
 }
 
@@ -208,28 +173,18 @@ fn directions_to_a_sphere_fill_its_cone_uniformly() {
             let (point, pdf) = sphere.sample_solid_angle(from, u).unwrap();
             assert_eq!(pdf, sphere.pdf_solid_angle(from, &point));
             let towards = (point.position - from).as_dvec3().normalize();
-            assert!(
-                point.normal.as_dvec3().dot(towards) < 1e-3,
-                "{point:?} from {from}"
-            );
+            assert!(point.normal.as_dvec3().dot(towards) < 1e-3, "{point:?} from {from}");
             let weight = 1.0 / f64::from(pdf);
             let along = -towards.dot(axis);
             means.add(&[weight, weight * along, weight * along * along]);
         }
         // Integrals of 1, z, z^2 over the cone.
-        let truths = [
-            1.0 - cos,
-            (1.0 - cos * cos) / 2.0,
-            (1.0 - cos.powi(3)) / 3.0,
-        ];
+        let truths = [1.0 - cos, (1.0 - cos * cos) / 2.0, (1.0 - cos.powi(3)) / 3.0];
         for (index, truth) in truths.into_iter().enumerate() {
             let (mean, variance) = means.get(index);
             let truth = TAU * truth;
             let error = SIGMA * variance.sqrt() + 1e-4 * truth;
-            assert!(
-                (mean - truth).abs() < error,
-                "{distance}[{index}]: {mean} | {truth} +- {error}"
-            );
+            assert!((mean - truth).abs() < error, "{distance}[{index}]: {mean} | {truth} +- {error}");
         }
     }
 }
@@ -245,20 +200,12 @@ fn from_inside_a_sphere_the_density_covers_all_directions() {
         let (point, pdf) = sphere.sample_solid_angle(from, u).unwrap();
         let towards = (point.position - from).as_dvec3().normalize();
         let weight = 1.0 / f64::from(pdf);
-        means.add(&[
-            weight,
-            weight * towards.x,
-            weight * towards.z,
-            weight * towards.z.powi(2),
-        ]);
+        means.add(&[weight, weight * towards.x, weight * towards.z, weight * towards.z.powi(2)]);
     }
     for (index, truth) in [4.0 * PI, 0.0, 0.0, 4.0 * PI / 3.0].into_iter().enumerate() {
         let (mean, variance) = means.get(index);
         let error = SIGMA * variance.sqrt();
-        assert!(
-            (mean - truth).abs() < error,
-            "[{index}]: {mean} | {truth} +- {error}"
-        );
+        assert!((mean - truth).abs() < error, "[{index}]: {mean} | {truth} +- {error}");
         assert!(error < 0.1, "[{index}]: +- {error} is too noisy");
     }
 }

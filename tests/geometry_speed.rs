@@ -9,26 +9,12 @@ use std::time::Instant;
 /// A room with two blocks and a lamp: 30 parallelograms as five walls, blocks and more.
 fn room() -> Geometry {
     let mut builder = GeometryBuilder::new();
-    let walls = Shape::Box {
-        min: DVec3::ZERO,
-        max: DVec3::ONE,
-    };
-    builder
-        .add_object(&walls, &Transform::IDENTITY)
-        .expect("a room");
+    let walls = Shape::Box { min: DVec3::ZERO, max: DVec3::ONE };
+    builder.add_object(&walls, &Transform::IDENTITY).expect("a room");
     for i in 0..4 {
-        let corner = DVec3::new(
-            0.15 + 0.4 * f64::from(i % 2),
-            0.0,
-            0.15 + 0.4 * f64::from(i / 2),
-        );
-        let block = Shape::Box {
-            min: corner,
-            max: corner + DVec3::new(0.2, 0.3, 0.2),
-        };
-        builder
-            .add_object(&block, &Transform::IDENTITY)
-            .expect("a block");
+        let corner = DVec3::new(0.15 + 0.4 * f64::from(i % 2), 0.0, 0.15 + 0.4 * f64::from(i / 2));
+        let block = Shape::Box { min: corner, max: corner + DVec3::new(0.2, 0.3, 0.2) };
+        builder.add_object(&block, &Transform::IDENTITY).expect("a block");
     }
     builder.build().expect("a room")
 }
@@ -41,12 +27,8 @@ fn ball() -> Geometry {
         *position *= 0.5 * (1.0 + 0.3 * wave);
     }
     let mut builder = GeometryBuilder::new();
-    builder
-        .add_object(&Shape::Mesh(mesh), &Transform::IDENTITY)
-        .expect("a ball");
-    builder
-        .add_object(&Shape::Mesh(icosphere(5)), &Transform::IDENTITY)
-        .expect("a shell");
+    builder.add_object(&Shape::Mesh(mesh), &Transform::IDENTITY).expect("a ball");
+    builder.add_object(&Shape::Mesh(icosphere(5)), &Transform::IDENTITY).expect("a shell");
     builder.build().expect("a ball")
 }
 
@@ -61,10 +43,7 @@ fn rays(geometry: &Geometry, eye: Vec3A) -> (Vec<Ray>, Vec<Ray>) {
     let (mut camera, mut bounced) = (Vec::new(), Vec::new());
     let mut state = 1;
     for i in 0..1 << 20 {
-        let (x, y) = (
-            (i & 1023) as f32 / 1024.0 - 0.5,
-            (i >> 10) as f32 / 1024.0 - 0.5,
-        );
+        let (x, y) = ((i & 1023) as f32 / 1024.0 - 0.5, (i >> 10) as f32 / 1024.0 - 0.5);
         let ray = Ray::new(eye, Vec3A::new(x, y, 0.8).normalize());
         camera.push(ray);
         if let Some(hit) = geometry.intersect(&ray) {
@@ -90,10 +69,7 @@ fn rate(rays: &[Ray], answer: impl Fn(&Ray) -> bool) -> f64 {
 #[ignore = "a measurement, not a claim"]
 fn million_rays_per_second() {
     let (room, ball) = (room(), ball());
-    for (geometry, eye) in [
-        (&room, Vec3A::new(0.5, 0.6, 0.02)),
-        (&ball, Vec3A::new(0.0, 0.0, -0.9)),
-    ] {
+    for (geometry, eye) in [(&room, Vec3A::new(0.5, 0.6, 0.02)), (&ball, Vec3A::new(0.0, 0.0, -0.9))] {
         let (camera, bounced) = rays(geometry, eye);
         println!(
             "{} primitives: camera {:.2}, bounced {:.2}, any hit {:.2}",

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{assert_reads, illuminance, luminance, metered, read_one};
+use etalon::camera::{CIE_SENSOR, Sensor};
 use etalon::geometry::SurfacePoint;
 use etalon::integrator::PathTracer;
-use etalon::camera::{CIE_SENSOR, Sensor};
 use etalon::sampler::{BlockSampler, Stream};
 use etalon::scene::{Plan, Scene};
 use etalon::spectrum::CsvTable;
@@ -38,7 +38,9 @@ fn seventeen_hundred_lumens_light_a_metre_away_with_135_lux() {
 /// for an integral and gives 195.19 and 172.51.)
 #[test]
 fn radiant_watts_count_within_the_band_that_is_named() {
-    for (band, efficacy) in [(json!([380, 780]), 195.627), (json!([360, 830]), 172.823), (json!("all"), 95.363)] {
+    for (band, efficacy) in
+        [(json!([380, 780]), 195.627), (json!([360, 830]), 172.823), (json!("all"), 95.363)]
+    {
         let level = json!({ "radiant_power": { "power_w": 10, "band_nm": band } });
         let scene = metered(json!({}), json!([]), isotropic(level), json!([]));
         let flux = scene.emitters[0].luminous_flux.0;
@@ -58,17 +60,27 @@ fn lamps_of_every_shape_agree_on_a_hundred_lumens() {
     // What a small extent takes away from the far field, from the exact view factors.
     let shapes = [
         ("sphere", json!({ "sphere": { "center": [0, 0, 0], "radius": 0.01 } }), round),
-        ("disk", json!({ "disk": { "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 0.01 } }), flat / (1.0 + 1e-4)),
+        (
+            "disk",
+            json!({ "disk": { "center": [0, 0, 0], "normal": [0, 1, 0], "radius": 0.01 } }),
+            flat / (1.0 + 1e-4),
+        ),
         ("quad", json!({ "quad": { "vertices": quad } }), flat * (1.0 - 2.0 / 3.0 * 2e-4)),
         ("mesh", triangles, flat * (1.0 - 2.0 / 3.0 * 2e-4)),
     ];
     for (name, shape, truth) in shapes {
-        let objects = json!([{ "shape": shape, "material": "m", "emission": lamp(json!({ "flux_lm": 100 })) }]);
+        let objects =
+            json!([{ "shape": shape, "material": "m", "emission": lamp(json!({ "flux_lm": 100 })) }]);
         let materials = json!({ "m": { "lambertian": { "reflectance": 0 } } });
         let scene = metered(materials, objects, json!([]), illuminance([0., 1., 0.], [0., -1., 0.]));
         assert_reads(name, &read_one(&scene, 1 << 16), truth, 1e-3);
     }
-    let scene = metered(json!({}), json!([]), isotropic(json!({ "flux_lm": 100 })), illuminance([0., 1., 0.], [0., -1., 0.]));
+    let scene = metered(
+        json!({}),
+        json!([]),
+        isotropic(json!({ "flux_lm": 100 })),
+        illuminance([0., 1., 0.], [0., -1., 0.]),
+    );
     assert_reads("point", &read_one(&scene, 1 << 16), round, 1e-3);
     let cosine = json!([{ "point": { "position": [0, 0, 0], "distribution": { "cosine": { "axis": [0, 1, 0] } },
         "emission": lamp(json!({ "flux_lm": 100 })) } }]);
@@ -92,7 +104,8 @@ fn a_white_furnace_shines_as_the_geometric_series_says() {
 fn an_integrating_sphere_multiplies_its_lamp() {
     for (albedo, truth) in [(0.5, 270.56), (0.9, 1352.82), (0.98, 6764.09)] {
         let materials = json!({ "wall": { "lambertian": { "reflectance": albedo } } });
-        let objects = json!([{ "shape": { "sphere": { "center": [0, 0, 0], "radius": 1 } }, "material": "wall" }]);
+        let objects =
+            json!([{ "shape": { "sphere": { "center": [0, 0, 0], "radius": 1 } }, "material": "wall" }]);
         let meter = illuminance([0.0, 0.0, -1.0], [0.0, 0.0, 1.0]);
         let scene = metered(materials, objects, isotropic(json!({ "flux_lm": 1700 })), meter);
         assert_reads(&format!("albedo {albedo}"), &read_one(&scene, 1 << 20), truth, 3e-3);
@@ -143,7 +156,12 @@ fn cie_cases(case: &str) -> Vec<(String, [f64; 3], [f64; 3], f64)> {
                 "+y" => [0.0, 1.0, 0.0],
                 _ => [0.0; 3],
             };
-            (cells[1].to_owned(), [number(cells[2]), number(cells[3]), number(cells[4])], normal, number(cells[7]))
+            (
+                cells[1].to_owned(),
+                [number(cells[2]), number(cells[3]), number(cells[4])],
+                normal,
+                number(cells[7]),
+            )
         })
         .collect()
 }

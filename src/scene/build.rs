@@ -25,7 +25,7 @@ impl LengthUnit {
 /// Resolves a parsed scene.
 pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene> {
     let mut spectra = Spectra::new(folder, &file.spectra);
-    check_own_spectra(file, &mut spectra)?;
+    check_own_spectra(file, &spectra)?;
     let mut stage = Stage::new(file.length_unit, folder);
     stage.place_objects(&file.objects, &file.materials)?;
     let stage = stage.build()?;
@@ -61,12 +61,11 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
 }
 
 /// Reads the scene's own spectra even where nothing uses them: a fault is a fault.
-fn check_own_spectra<'a>(file: &'a SceneFile, spectra: &mut Spectra<'a>) -> Result<()> {
+fn check_own_spectra<'a>(file: &'a SceneFile, spectra: &Spectra<'a>) -> Result<()> {
     let mut sound = BTreeSet::new();
     for name in file.spectra.keys() {
         spectra.check_own(name, &mut Vec::new(), &mut sound)?;
     }
-    spectra.files_read.clear();
     Ok(())
 }
 

@@ -163,7 +163,7 @@ impl<'a> Stage<'a> {
         let fault = |what: String| Error::new(what).hint("check the mesh, or write it anew").in_file(&path);
         let mut mesh = read(&path).map_err(|error| match (error.what, error.line) {
             (MeshFault::Io(source), _) => Error::named_file(file, &source),
-            (what, Some(line)) => fault(what.to_string()).at(line, None),
+            (what, Some(line)) => fault(what.to_string()).at(line, Some(1)),
             (what, None) => fault(what.to_string()),
         })?;
         self.mesh_bytes.push(std::fs::metadata(&path).map_or(0, |m| m.len()));
@@ -202,15 +202,11 @@ impl Built {
     pub fn position(&self, point: Vector, key: &str) -> Result<DVec3> {
         let metres = DVec3::from_array(point.map(|c| self.unit.metres(c)));
         let units = metres / self.geometry.metres_per_unit();
-        if units.as_vec3().is_finite() {
-            return Ok(units);
+        let held = |axis: &usize| metres[*axis].abs() <= FARTHEST_M && (units[*axis] as f32).is_finite();
+        match (0..3).find(|axis| !held(axis)) {
+            None => Ok(units),
+            Some(axis) => Err(too_far(point[axis]).under(axis).under(key)),
         }
-        Err(Error::new(format!(
-            "a position of {:e} is too far from the rest of the scene to be held",
-            DVec3::from_array(point).abs().max_element()
-        ))
-        .hint("check the number and the scene's length unit")
-        .under(key))
     }
 
     /// A length of the file in scene units.
@@ -250,7 +246,7 @@ pub(super) fn unit_vector(direction: Vector, key: &str) -> Result<DVec3> {
 
 fn too_far(length: f64) -> Error {
     Error::new(format!("a length of {length:e} is too large to be held"))
-        .hint("lengths reach to 3.4e38 m; check the number and the scene's length unit")
+        .hint("check the number and the scene's length unit")
 }
 
 /// Why a transform or the whole of the objects is wrong.

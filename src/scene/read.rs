@@ -28,11 +28,13 @@ pub fn parse(text: &str) -> Result<SceneFile> {
     deserializer.end().map_err(|e| explain(text, "", &e))?;
     match duplicate_key(text) {
         None => Ok(scene),
-        Some(Repeated { key, pointer, place: (line, column) }) => {
-            let fault = Error::new(format!("the key \"{key}\" stands twice in one object"));
-            Err(at_pointer(fault, &pointer).hint("remove or rename one of them").at(line, Some(column)))
-        }
+        Some(repeated) => Err(twice(&repeated)),
     }
+}
+
+fn twice(Repeated { key, pointer, place: (line, column) }: &Repeated) -> Error {
+    let fault = Error::new(format!("the key \"{key}\" stands twice in one object"));
+    at_pointer(fault, pointer).hint("remove or rename one of them").at(*line, Some(*column))
 }
 
 /// Gives an error that knows its pointer the line and column that the pointer leads to.
@@ -75,6 +77,9 @@ fn explain(text: &str, pointer: &str, error: &serde_json::Error) -> Error {
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     if let Some((wrong, known)) = quoted.split_first().filter(|_| message.starts_with("unknown ")) {
         return unknown(text, pointer, wrong, known);
+    }
+    if let Some(repeated) = duplicate_key(text).filter(|_| message.starts_with("duplicate field")) {
+        return twice(&repeated);
     }
     let fault = if message.starts_with("missing field") {
         let key = quoted.first().copied().unwrap_or_default();

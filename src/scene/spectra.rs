@@ -62,6 +62,11 @@ impl<'a> Spectra<'a> {
         Ok(curve)
     }
 
+    /// Reads a spectrum for its faults alone.
+    fn check(&self, spectrum: &SpectrumFile) -> Result<()> {
+        Self::new(self.folder, self.own).curve(spectrum, Purpose::Emission).map(|_| ())
+    }
+
     /// A reflectance: 0 to 1 everywhere.
     pub fn reflectance(&mut self, spectrum: &SpectrumFile) -> Result<Dense> {
         let curve = self.curve(spectrum, Purpose::Reflectance)?;
@@ -236,7 +241,9 @@ impl<'a> Spectra<'a> {
             self.check_own(next, named_by, sound)?;
         }
         named_by.pop();
-        self.check(spectrum).map_err(|e| e.under(name).under("spectra"))?;
+        // Read for its faults alone: remarks and files count where a spectrum is used.
+        let mut apart = Self::new(self.folder, self.own);
+        apart.curve(spectrum, Purpose::Emission).map_err(|e| e.under(name).under("spectra"))?;
         sound.insert(name);
         Ok(())
     }

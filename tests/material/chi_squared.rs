@@ -9,9 +9,7 @@ use etalon::material::{Bsdf, Quantity, specimens};
 use etalon::spectrum::LANES;
 use glam::Vec3A;
 
-use super::support::{
-    Random, SQUARE_SOLID_ANGLE, from_square, gauss, to_square, viewpoints, with_hero,
-};
+use super::support::{Random, SQUARE_SOLID_ANGLE, from_square, gauss, to_square, viewpoints, with_hero};
 
 const PILOT: usize = 8_192;
 const SAMPLES: usize = 200_000;
@@ -71,8 +69,7 @@ impl Node {
         }
         let (axis, at, [left, right], middle) = halve(cell, points);
         let (below, above) = points.split_at_mut(middle);
-        let children =
-            Box::new([Self::build(left, below, depth + 1), Self::build(right, above, depth + 1)]);
+        let children = Box::new([Self::build(left, below, depth + 1), Self::build(right, above, depth + 1)]);
         Self::Fork { axis, at, children }
     }
 
@@ -262,8 +259,7 @@ fn examine(bsdf: &Bsdf, wo: Vec3A, seed: u64) -> Verdict {
 fn cases() -> Vec<(String, Bsdf, Vec3A)> {
     let mut cases = vec![];
     for (name, specimen) in specimens() {
-        let dispersive =
-            super::support::interface_of(&specimen).is_some_and(|i| !i.excess().is_flat());
+        let dispersive = super::support::interface_of(&specimen).is_some_and(|i| !i.excess().is_flat());
         for lane in if dispersive { vec![0, LANES - 1] } else { vec![0] } {
             let bsdf = with_hero(&specimen, lane);
             for wo in viewpoints() {

@@ -62,8 +62,7 @@ fn grazing_light_still_enters() {
         // 4 c q (1 / (c + q)^2 + eta^2 / (eta^2 c + q)^2) / 2 to the second order in c.
         let eta2: f64 = 2.25;
         let m: f64 = eta2 - 1.0;
-        let series = 2.0 * cosine * (1.0 + eta2) / m.sqrt()
-            - 4.0 * cosine * cosine * (1.0 + eta2 * eta2) / m;
+        let series = 2.0 * cosine * (1.0 + eta2) / m.sqrt() - 4.0 * cosine * cosine * (1.0 + eta2 * eta2) / m;
         let got = dielectric(cosine, 0.5).crossing;
         assert_close(got, series, 1e-6, "series");
         assert_close(got, share, 1e-3, "table");

@@ -10,10 +10,7 @@ use super::support::{Random, interface_of, radiance_factor, viewpoints, with_her
 const QUANTITIES: [Quantity; 2] = [Quantity::Radiance, Quantity::Importance];
 
 /// Calls `test` for draws from every specimen and every viewpoint.
-fn for_draws(
-    count: usize,
-    mut test: impl FnMut(&str, &Bsdf, Vec3A, etalon::material::BsdfSample, Quantity),
-) {
+fn for_draws(count: usize, mut test: impl FnMut(&str, &Bsdf, Vec3A, etalon::material::BsdfSample, Quantity)) {
     let mut random = Random(7);
     for (name, bsdf) in specimens() {
         for wo in viewpoints() {

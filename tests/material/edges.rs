@@ -25,10 +25,7 @@ fn extreme_directions_give_finite_values() {
         for &wo in &directions {
             for &wi in &directions {
                 let both = bsdf.evaluate(wo, wi, Quantity::Radiance);
-                assert!(
-                    both.value.is_finite() && both.pdf.is_finite(),
-                    "{name}: {wo:?} {wi:?} {both:?}"
-                );
+                assert!(both.value.is_finite() && both.pdf.is_finite(), "{name}: {wo:?} {wi:?} {both:?}");
                 let not_negative = |s: Spectrum| s.0.iter().all(|&v| v >= 0.0);
                 assert!(not_negative(both.value) && not_negative(both.pdf), "{name}: {both:?}");
                 if wo.z == 0.0 || wi.z == 0.0 {
@@ -49,10 +46,7 @@ fn extreme_directions_give_finite_samples() {
             {
                 let Some(s) = bsdf.sample(wo, u_lobe, [a, b], Quantity::Radiance) else { continue };
                 let weight = s.value.hero() / s.pdf.hero();
-                assert!(
-                    s.wi.is_finite() && s.value.is_finite() && s.pdf.is_finite(),
-                    "{name}: {wo:?} {s:?}"
-                );
+                assert!(s.wi.is_finite() && s.value.is_finite() && s.pdf.is_finite(), "{name}: {wo:?} {s:?}");
                 assert!(weight.is_finite() && s.wi.z != 0.0, "{name}: {wo:?} {s:?}");
             }
         }
@@ -166,8 +160,7 @@ fn the_smallest_roughness_is_as_good_as_polished() {
 #[test]
 fn backs_are_black_unless_two_sided() {
     let inside = direction(-0.5, 1.0);
-    for (name, black) in [("paint", true), ("paper", false), ("satin gold", false), ("gold", true)]
-    {
+    for (name, black) in [("paint", true), ("paper", false), ("satin gold", false), ("gold", true)] {
         let (_, bsdf) = specimens().into_iter().find(|s| s.0 == name).expect("a specimen");
         let sample = bsdf.sample(inside, 0.5, [0.4; 2], Quantity::Radiance);
         assert_eq!(sample.is_none(), black, "{name}");

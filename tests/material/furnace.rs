@@ -113,8 +113,7 @@ fn rough_glass_keeps_what_quadrature_says() {
         let expected = albedo(alpha, mu, eta, |c| textbook_fresnel(c, eta));
         // From the outside of a medium of index eta, and from the inside of one of 1 / eta.
         for (side, index) in [(1.0, eta), (-1.0, 1.0 / eta)] {
-            let bsdf =
-                Bsdf::dielectric(Interface::new(Spectrum::splat(index as f32)), alpha as f32);
+            let bsdf = Bsdf::dielectric(Interface::new(Spectrum::splat(index as f32)), alpha as f32);
             let importance = drawn(&bsdf, side * mu, Quantity::Importance);
             let radiance = drawn(&bsdf, side * mu, Quantity::Radiance);
             let what = format!("alpha {alpha}, mu {mu}, eta {eta}, side {side}");
