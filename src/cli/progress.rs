@@ -12,15 +12,8 @@ const STEPS: u64 = 10_000;
 /// A bar on standard error.
 pub struct Bar {
     bar: ProgressBar,
-    state: Mutex<State>,
-}
-
-struct State {
-    started: Instant,
-    /// Share of the budget that finished blocks have used.
-    done: f64,
-    /// Share of the budget that one block takes, as far as known.
-    per_block: f64,
+    /// Estimated relative error after the last block.
+    error: Mutex<Option<f64>>,
 }
 
 impl Bar {
@@ -30,44 +23,49 @@ impl Bar {
         let style = ProgressStyle::with_template("{bar:30} {percent:>3}%  {msg}")
             .expect("the template is well formed");
         bar.set_style(style);
-        let state = State { started: Instant::now(), done: 0.0, per_block: 0.0 };
-        Self { bar, state: Mutex::new(state) }
+        Self { bar, error: Mutex::new(None) }
     }
 
     /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
+
+    fn show(&self, budget: &Budget, started: Instant, samples: f64, error: Option<f64>) {
+        let elapsed = started.elapsed();
+        let done = match budget.time {
+            Some(limit) => elapsed.as_secs_f64() / limit.as_secs_f64(),
+            None => samples / budget.samples_per_pixel as f64,
+        };
+        /// Before this share is done, the time left is a guess.
+        const ENOUGH: f64 = 1e-3;
+        let left =
+            if done < ENOUGH { "?".to_owned() } else { clock(elapsed.mul_f64((1.0 - done).max(0.0) / done)) };
+        let error = error.map_or_else(|| "?".to_owned(), |e| format!("{:.2} %", 100.0 * e));
+        self.bar.set_message(format!(
+            "{samples:.0} samples  elapsed {}  left {left}  error {error}",
+            clock(elapsed)
+        ));
+        self.bar.set_position((done.min(1.0) * STEPS as f64) as u64);
+    }
 }
 
 impl Progress for Bar {
     fn block(&self, budget: &Budget, started: Instant, film: &Film) {
-        let samples = film.samples_per_pixel();
-        let elapsed = started.elapsed();
-        let done = match budget.time {
-            Some(limit) => elapsed.as_secs_f64() / limit.as_secs_f64(),
-            None => samples as f64 / budget.samples_per_pixel as f64,
-        };
-        let left = elapsed.mul_f64(((1.0 - done).max(0.0) / done).min(1e6));
-        let error = film.relative_error().map_or_else(|| "?".to_owned(), |e| format!("{:.2} %", 100.0 * e));
-        self.bar.set_message(format!(
-            "{samples} samples  elapsed {}  left {}  error {error}",
-            clock(elapsed),
-            clock(left)
-        ));
-        self.bar.set_position((done.min(1.0) * STEPS as f64) as u64);
-        if let Ok(mut state) = self.state.lock() {
-            *state = State { started, per_block: done - state.done, done };
+        if self.bar.is_hidden() {
+            return; // the error estimate reads the whole film
         }
+        let error = film.relative_error();
+        if let Ok(mut latest) = self.error.lock() {
+            *latest = error;
+        }
+        self.show(budget, started, film.samples_per_pixel() as f64, error);
     }
 
-    fn within_block(&self, share: f64) {
-        if let Ok(state) = self.state.try_lock() {
-            let done = state.done + share * state.per_block;
-            self.bar.set_position((done.min(1.0) * STEPS as f64) as u64);
-            if state.done == 0.0 {
-                self.bar.set_message(format!("first samples  elapsed {}", clock(state.started.elapsed())));
-            }
+    fn within_block(&self, budget: &Budget, started: Instant, samples: f64) {
+        // Threads that find another one at it have nothing to add.
+        if let Ok(error) = self.error.try_lock() {
+            self.show(budget, started, samples, *error);
         }
     }
 }

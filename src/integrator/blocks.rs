@@ -32,8 +32,9 @@ pub struct Budget {
 pub trait Progress: Sync {
     /// After each block: samples per pixel so far, and the film.
     fn block(&self, budget: &Budget, started: Instant, film: &Film);
-    /// Within a block: the share of it that is done.
-    fn within_block(&self, _share: f64) {}
+    /// Within a block: samples per pixel so far, those of the block in proportion to the rows
+    /// that are done.
+    fn within_block(&self, _budget: &Budget, _started: Instant, _samples: f64) {}
 }
 
 /// No report at all.
@@ -71,14 +72,10 @@ pub(super) fn render(
         }
         let left = budget.samples_per_pixel - film.samples_per_pixel();
         let size = block_size(budget, film.samples_per_pixel()).min(left) as u32;
-        render_block(
-            tracer,
-            view,
-            plan,
-            &mut film,
-            &BlockOf { seed: budget.seed, number: block, size },
-            progress,
-        );
+        let taken = film.samples_per_pixel() as f64;
+        let within = |share: f64| progress.within_block(budget, started, taken + share * f64::from(size));
+        let of = BlockOf { seed: budget.seed, number: block, size };
+        render_block(tracer, view, plan, &mut film, &of, &within);
         film.finish_block(size);
         block += 1;
         progress.block(budget, started, &film);
@@ -109,7 +106,7 @@ fn render_block(
     plan: &Plan,
     film: &mut Film,
     block: &BlockOf,
-    progress: &dyn Progress,
+    report_share: &(dyn Fn(f64) + Sync),
 ) {
     let [width, height] = view.camera.resolution();
     let channels = film.channels();
@@ -130,7 +127,7 @@ fn render_block(
             add(statistics, &sums, block.size);
         }
         let done = rows_done.fetch_add(1, Ordering::Relaxed) + 1;
-        progress.within_block(done as f64 / f64::from(height));
+        report_share(done as f64 / f64::from(height));
     });
     film.non_finite_samples += non_finite.into_inner();
 }

@@ -241,9 +241,7 @@ impl<'a> Spectra<'a> {
             self.check_own(next, named_by, sound)?;
         }
         named_by.pop();
-        // Read for its faults alone: remarks and files count where a spectrum is used.
-        let mut apart = Self::new(self.folder, self.own);
-        apart.curve(spectrum, Purpose::Emission).map_err(|e| e.under(name).under("spectra"))?;
+        self.check(spectrum).map_err(|e| e.under(name).under("spectra"))?;
         sound.insert(name);
         Ok(())
     }
