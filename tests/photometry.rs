@@ -257,6 +257,53 @@ fn cie_171_case_5_4_flux_is_conserved() {
     assert!((ratio / truth - 1.0).abs() < CIE_TOLERANCE, "5.4: {ratio} against {truth}");
 }
 
+/// Whatever its shape, all of a lamp's flux arrives on the walls around it.
+#[test]
+fn lamps_of_every_shape_give_off_the_flux_they_state() {
+    let size = [4.0; 3];
+    let wall = json!({ "shape": { "box": { "min": [0, 0, 0], "max": size } }, "material": "black" });
+    let square = json!([[1, 2, 1], [3, 2, 1], [3, 2, 3], [1, 2, 3]]);
+    let lamps = [
+        ("box", json!({ "box": { "min": [1, 1.5, 1], "max": [2, 2, 3] } }), false),
+        ("capped cylinder", json!({ "cylinder": { "from": [1, 1, 1], "to": [3, 2, 2], "radius": 0.5 } }), false),
+        ("open cylinder", json!({ "cylinder": { "from": [1, 1, 1], "to": [3, 2, 2], "radius": 0.5, "capped": false } }), false),
+        ("sphere", json!({ "sphere": { "center": [1, 2, 2], "radius": 0.7 } }), false),
+        ("both sides of a quad", json!({ "quad": { "vertices": square } }), true),
+        ("both sides of a bent quad", json!({ "quad": { "vertices": [[1, 2, 1], [3, 2, 1], [3, 2.2, 3.2], [1, 2, 3]] } }), true),
+    ];
+    for (name, shape, two_sided) in lamps {
+        let mut emission = lamp(json!({ "flux_lm": 1000 }));
+        emission["two_sided"] = json!(two_sided);
+        let objects = json!([wall, { "shape": shape, "material": "black", "emission": emission }]);
+        let materials = json!({ "black": { "lambertian": { "reflectance": 0 } } });
+        let scene = metered(materials, objects, json!([]), json!([]));
+        let flux = mean_over_walls(&scene, size, 1 << 15) * 6.0 * 16.0;
+        // An open cylinder's inside is dark and hides nothing of its outside.
+        assert!((flux / 1000.0 - 1.0).abs() < CIE_TOLERANCE, "{name}: {flux} lm of 1000");
+    }
+}
+
+/// Several lights of very different power are the sum of each alone.
+#[test]
+fn lights_add_up() {
+    let point = |x: f64, lm: f64| json!({ "point": { "position": [x, 0, 0], "emission": lamp(json!({ "flux_lm": lm })) } });
+    let disk = json!([{ "shape": { "disk": { "center": [0, 0, 1], "normal": [0, 0, -1], "radius": 0.3 } }, "material": "black",
+        "emission": lamp(json!({ "luminance_cd_m2": 50 })) }]);
+    let materials = json!({ "black": { "lambertian": { "reflectance": 0 } } });
+    let read = |objects: &Value, lights: Value| {
+        let meter = illuminance([0., 0., -1.], [0., 0., 1.]);
+        read_one(&metered(materials.clone(), objects.clone(), lights, meter), 1 << 18)
+    };
+    let parts = [
+        read(&json!([]), json!([point(0.0, 1000.0)])),
+        read(&json!([]), json!([point(0.5, 0.001)])),
+        read(&disk, json!([])),
+    ];
+    let truth: f64 = parts.iter().map(|r| r.photometric.mean).sum();
+    let all = read(&disk, json!([point(0.0, 1000.0), point(0.5, 0.001)]));
+    assert_reads("three lights", &all, truth, 3e-3);
+}
+
 #[test]
 fn cie_171_case_5_8_diffuse_interreflection() {
     let size = [4.0; 3];
