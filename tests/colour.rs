@@ -153,8 +153,7 @@ fn glasses_and_metals_have_their_published_indices() {
     for (name, truth) in oracle["glasses"].as_object().expect("a map") {
         let index = library::refractive_index(&library::table(name).expect("built in")).expect("an index");
         for (key, nm) in [("n_f", F_NM), ("n_d", D_NM), ("n_c", C_NM)] {
-            // Lines to 0.01 nm here, to 0.0001 nm there.
-            near(&format!("{name} {key}"), index.at(nm).expect("in range"), number(truth, key), 2e-6);
+            near(&format!("{name} {key}"), index.at(nm).expect("in range"), number(truth, key), 1e-9);
         }
         near(
             &format!("{name} V"),

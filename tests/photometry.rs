@@ -265,11 +265,23 @@ fn lamps_of_every_shape_give_off_the_flux_they_state() {
     let square = json!([[1, 2, 1], [3, 2, 1], [3, 2, 3], [1, 2, 3]]);
     let lamps = [
         ("box", json!({ "box": { "min": [1, 1.5, 1], "max": [2, 2, 3] } }), false),
-        ("capped cylinder", json!({ "cylinder": { "from": [1, 1, 1], "to": [3, 2, 2], "radius": 0.5 } }), false),
-        ("open cylinder", json!({ "cylinder": { "from": [1, 1, 1], "to": [3, 2, 2], "radius": 0.5, "capped": false } }), false),
+        (
+            "capped cylinder",
+            json!({ "cylinder": { "from": [1, 1, 1], "to": [3, 2, 2], "radius": 0.5 } }),
+            false,
+        ),
+        (
+            "open cylinder",
+            json!({ "cylinder": { "from": [1, 1, 1], "to": [3, 2, 2], "radius": 0.5, "capped": false } }),
+            false,
+        ),
         ("sphere", json!({ "sphere": { "center": [1, 2, 2], "radius": 0.7 } }), false),
         ("both sides of a quad", json!({ "quad": { "vertices": square } }), true),
-        ("both sides of a bent quad", json!({ "quad": { "vertices": [[1, 2, 1], [3, 2, 1], [3, 2.2, 3.2], [1, 2, 3]] } }), true),
+        (
+            "both sides of a bent quad",
+            json!({ "quad": { "vertices": [[1, 2, 1], [3, 2, 1], [3, 2.2, 3.2], [1, 2, 3]] } }),
+            true,
+        ),
     ];
     for (name, shape, two_sided) in lamps {
         let mut emission = lamp(json!({ "flux_lm": 1000 }));

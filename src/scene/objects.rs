@@ -126,7 +126,7 @@ impl<'a> Stage<'a> {
             }
             ShapeFile::Box { min, max } => {
                 for axis in 0..3 {
-                    if !(max[axis] > min[axis]) {
+                    if max[axis] <= min[axis] {
                         let name = ["x", "y", "z"][axis];
                         return Err(Error::new(format!(
                             "the box reaches from {} to {} along {name}",

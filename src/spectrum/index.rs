@@ -4,11 +4,11 @@ use super::curve::Table;
 use crate::error::{Error, Result};
 
 /// Fraunhofer F line (hydrogen), nm.
-pub const F_NM: f64 = 486.13;
+pub const F_NM: f64 = 486.1327;
 /// Helium d line, nm.
-pub const D_NM: f64 = 587.56;
+pub const D_NM: f64 = 587.5618;
 /// Fraunhofer C line (hydrogen), nm.
-pub const C_NM: f64 = 656.27;
+pub const C_NM: f64 = 656.2725;
 
 /// Index of refraction as a function of vacuum wavelength.
 #[derive(Clone, Debug)]

@@ -1,0 +1,742 @@
+//! The program as a user meets it: its messages, its files, its exit codes.
+
+use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+/// A fault in a file is reported within this time.
+const PROMPT: Duration = Duration::from_secs(1);
+
+/// Runs the program in the project's folder.
+fn etalon<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_etalon"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments);
+    command.output().expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("the program writes UTF-8")
+}
+
+/// Standard output of a run that must succeed and complain of nothing.
+fn succeed<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> String {
+    let output = etalon(arguments);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""), "{}", text(&output.stdout));
+    text(&output.stdout).to_owned()
+}
+
+/// What a run says that must fail at once, by the user's fault, without having printed anything.
+fn fail<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> String {
+    let started = Instant::now();
+    let output = etalon(arguments);
+    let elapsed = started.elapsed();
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.starts_with("error: "), "{message}");
+    assert!(!message.contains("panicked"), "{message}");
+    assert_eq!(text(&output.stdout), "", "{message}");
+    assert!(elapsed < PROMPT, "{elapsed:?} for {message}");
+    message.to_owned()
+}
+
+/// The same, of a run that must say it in one line.
+fn fail_in_one_line<S: AsRef<std::ffi::OsStr>>(arguments: impl IntoIterator<Item = S>) -> String {
+    let message = fail(arguments);
+    let line = message.strip_suffix('\n').expect("the line ends");
+    assert!(!line.contains(char::is_control), "{message:?}");
+    line.to_owned()
+}
+
+/// An empty folder for one test.
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{test}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("the folder can be made");
+    folder
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn json(file: &Path) -> Value {
+    let text = std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
+}
+
+/// Every scene of `reference/`.
+fn reference_scenes() -> Vec<PathBuf> {
+    let folders = std::fs::read_dir(root().join("reference")).expect("the references are there");
+    let scenes = folders.map(|entry| entry.expect("readable").path().join("scene.json"));
+    let scenes: Vec<PathBuf> = scenes.filter(|scene| scene.is_file()).collect();
+    assert!(scenes.len() >= 6, "{scenes:?}");
+    scenes
+}
+
+/// Files with one fault each: the place that must be named (in the scene itself where it
+/// begins with a colon), the pointer, and parts of what is wrong and of what to do.
+macro_rules! faults {
+    ($($test:ident: $place:literal, $pointer:literal, $what:literal, $remedy:literal;)*) => {
+        mod malformed {
+            $(
+                #[test]
+                fn $test() {
+                    super::check_fault(stringify!($test), $place, $pointer, $what, $remedy);
+                }
+            )*
+        }
+        const FAULTS: &[&str] = &[$(stringify!($test)),*];
+    };
+}
+
+faults! {
+    syntax_missing_comma: ":27:5", "/camera", "not valid JSON", "check commas";
+    syntax_unclosed: ":21:1", "/camera", "not valid JSON: EOF", "brackets";
+    syntax_trailing_text: ":30:1", "/", "not valid JSON: trailing characters", "check";
+    syntax_empty_file: ":1:1", "/", "not valid JSON: EOF", "check";
+    key_unknown: ":25:5", "/camera", "unknown key \"fstop\"", "did you mean \"f_stop\"?";
+    key_unknown_at_the_root: ":10:3", "/", "unknown key \"objets\"", "did you mean \"objects\"?";
+    key_unknown_in_a_shape: ":13:49", "/objects/0/shape/sphere", "unknown key \"radus\"", "did you mean \"radius\"?";
+    key_missing: ":18:3", "/camera", "the key \"f_stop\" is missing", "add it";
+    key_missing_at_the_root: ":1:1", "/", "the key \"length_unit\" is missing", "add it";
+    key_twice: ":28:5", "/camera", "the key \"f_stop\" stands twice", "remove or rename";
+    key_twice_in_spectra: ":6:5", "/spectra", "the key \"grey\" stands twice", "remove or rename";
+    variant_unknown: ":8:15", "/materials/white", "unknown key \"lambertain\"", "did you mean \"lambertian\"?";
+    variant_unknown_unit: ":3:3", "/length_unit", "unknown value \"inch\"", "m, cm, mm";
+    variant_two_in_one: ":13:7", "/objects/0/shape", "one key that says which kind is meant", "`etalon schema`";
+    variant_is_a_number: ":13:7", "/objects/0/shape", "one key that says which kind is meant", "`etalon schema`";
+    type_wrong: ":25:5", "/camera/f_stop", "string \"f/8\" where a number belongs", "`etalon schema`";
+    type_fraction_of_a_pixel: ":24:24", "/camera/resolution/1", "number 24.5 where a whole number from 0 up belongs", "`etalon schema`";
+    type_null: ":8:30", "/materials/white/lambertian/reflectance", "null where a number, the name of a spectrum, or a description", "`etalon schema`";
+    list_too_short: ":21:5", "/camera/up", "a list of 2 where a list of 3 belongs", "`etalon schema`";
+    list_too_long: ":21:5", "/camera/up", "the list has more entries than belong here", "`etalon schema`";
+    name_of_no_material: ":14:7", "/objects/0/material", "unknown material \"wite\"", "did you mean \"white\"?";
+    name_of_no_spectrum: ":8:30", "/materials/white/lambertian/reflectance", "unknown spectrum \"cornel-white\"", "did you mean \"cornell-white\"?";
+    name_of_no_glass: ":8:30", "/materials/white/dielectric/index", "unknown glass \"n-bk8\"", "did you mean \"n-bk7\"?";
+    name_of_no_metal: ":8:29", "/materials/white/conductor/metal", "unknown metal \"golt\"", "did you mean \"gold\"?";
+    name_of_no_sensor: ":28:5", "/camera/sensor", "unknown sensor \"cie1931\"", "did you mean \"cie-1931\"?";
+    name_of_a_reflectance_as_sensor: ":28:5", "/camera/sensor", "unknown sensor \"cornell-white\"", "";
+    name_with_a_slash: ":9:34", "/materials/wall~1left/lambertian/reflectance", "a reflectance of 2 is above 1", "between 0 and 1";
+    name_with_a_line_break: ":14:7", "/objects/0/material", "unknown material \"a\\nb\"", "known: white";
+    reflectance_negative: ":8:30", "/materials/white/lambertian/reflectance", "a reflectance of -0.1 is negative", "between 0 and 1";
+    reflectance_negative_in_a_csv: ":8:30", "/materials/white/lambertian/reflectance", "a reflectance of -0.01 is negative", "clipped in the table";
+    reflectance_above_1: ":8:30", "/materials/white/lambertian/reflectance", "a reflectance of 80 is above 1", "per cent";
+    mirror_above_1: ":8:26", "/materials/white/mirror/reflectance", "a reflectance of 1.01 is above 1", "between 0 and 1";
+    emission_negative: ":15:20", "/objects/0/emission/spectrum", "an emission of -1 is negative", "from 0 up";
+    absorption_too_large: ":8:44", "/materials/white/dielectric/absorption_per_m", "an absorption of 1e39 is too large", "check the unit";
+    csv_nan: "nan.csv:4:5", "/spectra/grey/csv/file", "\"nan\" is not a finite number", "write numbers";
+    csv_out_of_order: "out-of-order.csv:5:1", "/spectra/grey/csv/file", "500 nm comes after 600 nm", "sort the rows";
+    csv_row_too_short: "row-too-short.csv:3:1", "/spectra/grey/csv/file", "the row has 1 cells, the header 2", "one cell per column";
+    csv_without_numbers: "without-numbers.csv", "/spectra/grey/csv/file", "the table holds no numbers", "header row";
+    csv_missing: ":5:22", "/spectra/grey/csv/file", "cannot read \"nowhere.csv\": No such file or directory", "relative to the scene's folder";
+    csv_is_a_folder: ":5:22", "/spectra/grey/csv/file", "cannot read \".\"", "name a file, not a folder";
+    csv_column_unknown: ":5:48", "/spectra/grey/csv/column", "unknown column \"left\"", "a, b";
+    csv_column_not_named: ":5:14", "/spectra/grey/csv", "more than one curve", "name a column: a, b";
+    table_out_of_order: ":5:53", "/spectra/grey/table/wavelengths_nm/2", "500 nm comes after 600 nm", "sort the points";
+    table_unequal: ":5:54", "/spectra/grey/table/values", "1 values for 2 wavelengths", "one value per wavelength";
+    temperature_0: ":15:47", "/objects/0/emission/spectrum/blackbody/temperature_k", "a temperature of 0 K is not positive", "in kelvin";
+    temperature_negative: ":15:47", "/objects/0/emission/spectrum/blackbody/temperature_k", "a temperature of -1 K is not positive", "in kelvin";
+    spectra_in_a_circle: ":7:22", "/spectra/b/scaled/spectrum", "in a circle: \"a\", \"b\", \"a\"", "let one of them be";
+    spectrum_named_by_itself: ":5:5", "/spectra/grey", "in a circle: \"grey\", \"grey\"", "let one of them be";
+    spectrum_unused_and_wrong: ":6:25", "/spectra/idle/scaled/spectrum", "unknown spectrum \"nosuch\"", "";
+    sellmeier_pole: ":8:30", "/materials/white/dielectric/index", "pole at 550.00 nm", "check the unit";
+    sellmeier_negative_square: ":8:30", "/materials/white/dielectric/index", "the refractive index at 360 nm is NaN", "check the coefficients";
+    sellmeier_unequal: ":8:71", "/materials/white/dielectric/index/sellmeier/c_um2", "2 coefficients b but 1 c_um2", "one c_um2 for each b";
+    index_table_too_narrow: ":8:30", "/materials/white/dielectric/index", "known from 400 to 700 nm", "covers 360 to 830 nm";
+    index_outside_0: ":8:44", "/materials/white/dielectric/outside_index", "the refractive index at 360 nm is 0", "above 0";
+    roughness_above_1: ":8:46", "/materials/white/conductor/roughness_alpha", "a roughness alpha of 1.5 is outside 0 to 1", "0.1 satin";
+    coordinate_1e400: ":13:42", "/objects/0/shape/sphere/center/1", "a number is too large", "below 1e308";
+    coordinate_1e39: ":13:42", "/objects/0/shape/sphere/center/1", "a length of 1e39 is too large", "length unit";
+    coordinate_1e39_of_a_quad: ":13:68", "/objects/0/shape/quad/vertices/2/2", "a length of -1e39 is too large", "length unit";
+    camera_at_1e39: ":19:24", "/camera/position/2", "a length of -1e39 is too large", "length unit";
+    radius_0: ":13:49", "/objects/0/shape/sphere/radius", "a radius of 0 is not positive", "above 0";
+    radius_negative: ":13:49", "/objects/0/shape/sphere/radius", "a radius of -0.1 is not positive", "above 0";
+    quad_without_area: ":13:17", "/objects/0/shape/quad", "the quad has no extent", "spread its points";
+    quad_crossed: ":13:17", "/objects/0/shape/quad", "cross each other", "exchange two vertices";
+    box_flat: ":13:54", "/objects/0/shape/box/max/1", "from 0 to 0 along y", "larger number in max";
+    disk_without_normal: ":13:47", "/objects/0/shape/disk/normal", "must be finite and not zero", "[0, 0, 1]";
+    sphere_stretched: ":14:7", "/objects/0/transform", "a sphere stays a sphere only under", "by the same factor";
+    transform_flat: ":14:48", "/objects/0/transform/1/scale", "flattens space", "factors of 0";
+    mesh_empty: ":13:73", "/objects/0/shape/mesh/triangles", "the mesh has no extent", "";
+    mesh_bad_index: ":13:98", "/objects/0/shape/mesh/triangles/1", "names vertex 3, but there are only 3", "numbered from 0";
+    mesh_missing: ":13:25", "/objects/0/shape/ply/file", "cannot read \"nowhere.ply\": No such file or directory", "relative to the scene's folder";
+    ply_empty: "empty.ply", "/objects/0/shape/ply/file", "the file holds no face", "check the mesh";
+    ply_bad_index: "bad-index.ply", "/objects/0/shape/ply/file", "the face names vertex 7, but there are 3 vertices", "check the mesh";
+    obj_bad_index: "bad-index.obj:5:1", "/objects/0/shape/obj/file", "the face names vertex 4, but there are 3 vertices", "check the mesh";
+    obj_empty: "empty.obj", "/objects/0/shape/obj/file", "the file holds no face", "check the mesh";
+    level_luminance_of_a_point: ":19:81", "/lights/0/point/emission/level/luminance_cd_m2", "luminance_cd_m2 describes a surface", "give flux_lm";
+    level_intensity_of_a_box: ":15:49", "/objects/0/emission/level/intensity_cd", "depends on the direction", "give flux_lm";
+    level_negative: ":15:49", "/objects/0/emission/level/flux_lm", "-1 is not a finite number from 0 up", "from 0 up";
+    level_too_bright: ":15:49", "/objects/0/emission/level/luminance_cd_m2", "too bright for 32-bit numbers", "check the unit";
+    level_lumens_of_the_invisible: ":15:104", "/objects/0/emission/level/flux_lm", "no visible light", "radiant_power";
+    level_two_at_once: ":15:39", "/objects/0/emission/level", "one key that says which kind is meant", "`etalon schema`";
+    band_empty: ":15:81", "/objects/0/emission/level/radiant_power/band_nm", "the band from 500 to 500 nm is empty", "[360, 830]";
+    band_dark: ":15:49", "/objects/0/emission/level/radiant_power", "dark within the band", "widen band_nm";
+    band_misspelt: ":15:81", "/objects/0/emission/level/radiant_power/band_nm", "a band is [from, to] in nm, or \"all\"", "`etalon schema`";
+    camera_looks_nowhere: ":18:3", "/camera", "the camera looks nowhere", "add look_at or direction";
+    camera_looks_twice: ":21:5", "/camera/direction", "both look_at and direction", "keep one";
+    camera_looks_at_itself: ":20:5", "/camera/look_at", "looks at its own position", "move look_at";
+    camera_up_along_the_view: ":21:5", "/camera/up", "up is along the line of sight", "give a direction across it";
+    camera_focus_too_near: ":26:5", "/camera/focus_distance", "a lens of 50 mm cannot focus at 0.05", "farther away";
+    camera_shutter_0: ":26:5", "/camera/shutter_s", "0 is not a positive number", "1/90 s";
+    camera_iso_negative: ":27:5", "/camera/iso", "-100 is not a positive number", "100";
+    camera_sensor_0: ":23:23", "/camera/sensor_mm/1", "0 is not a positive number", "[36, 24]";
+    camera_resolution_0: ":24:5", "/camera/resolution", "a picture of 0 by 24 pixels", "at least 1";
+    camera_white_is_black: ":28:5", "/camera/white_balance", "a white without visible light", "d65";
+    meter_without_normal: ":19:61", "/meters/0/illuminance/normal", "must be finite and not zero", "[0, 0, 1]";
+}
+
+fn check_fault(test: &str, place: &str, pointer: &str, what: &str, remedy: &str) {
+    let scene = format!("tests/files/{}.json", test.replace('_', "-"));
+    let place =
+        if place.starts_with(':') { format!("{scene}{place}") } else { format!("tests/files/{place}") };
+    let line = fail_in_one_line(["check", &scene]);
+    let message = line.strip_prefix(&format!("error: {place} {pointer}: "));
+    let message = message.unwrap_or_else(|| panic!("{line}\nshould begin with\nerror: {place} {pointer}: "));
+    let (fault, advice) = message.split_once("; ").unwrap_or_else(|| panic!("nothing to do: {line}"));
+    assert!(fault.contains(what), "{fault}\nshould contain\n{what}");
+    assert!(advice.contains(remedy), "{advice}\nshould contain\n{remedy}");
+}
+
+#[test]
+fn every_malformed_file_has_its_test_and_the_sound_one_passes() {
+    let entries = std::fs::read_dir(root().join("tests/files")).expect("the files are there");
+    let names = entries.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned());
+    let scenes: BTreeSet<String> =
+        names.filter_map(|name| Some(name.strip_suffix(".json")?.replace('-', "_"))).collect();
+    let tested: BTreeSet<String> = FAULTS.iter().copied().chain(["sound"]).map(str::to_owned).collect();
+    assert_eq!(scenes, tested);
+    let said = succeed(["check", "tests/files/sound.json"]);
+    assert!(said.contains("light      lamp: "), "{said}");
+}
+
+#[test]
+fn rendering_and_measuring_report_the_same_fault_and_write_nothing() {
+    let folder = folder("fault");
+    let scene = "tests/files/radius-0.json";
+    let check = fail_in_one_line(["check", scene]);
+    let output = folder.join("out.exr");
+    assert_eq!(fail_in_one_line(["render", scene, "-o", output.to_str().expect("UTF-8")]), check);
+    assert_eq!(fail_in_one_line(["measure", scene]), check);
+    assert_eq!(std::fs::read_dir(folder).expect("readable").count(), 0);
+}
+
+#[test]
+fn a_scene_that_cannot_be_read_is_named() {
+    for (scene, message) in [
+        (
+            "nowhere.json",
+            "error: nowhere.json: cannot read the scene: No such file or directory; check the path",
+        ),
+        ("tests", "error: tests: cannot read the scene: Is a directory; name a file, not a folder"),
+    ] {
+        assert_eq!(fail_in_one_line(["check", scene]), message);
+    }
+    let latin1 = folder("latin-1").join("scene.json");
+    std::fs::write(&latin1, b"{\"name\": \"caf\xe9\"}").expect("written");
+    let message = fail_in_one_line(["check", latin1.to_str().expect("UTF-8")]);
+    assert!(message.ends_with("save the file as UTF-8 text"), "{message}");
+}
+
+#[test]
+fn a_scene_without_camera_or_meters_says_what_to_add() {
+    let folder = folder("no-camera");
+    let scene = folder.join("scene.json");
+    std::fs::write(&scene, r#"{"name": "bare", "length_unit": "m"}"#).expect("written");
+    let (scene, output) = (scene.display().to_string(), folder.join("out.exr").display().to_string());
+    let message = fail_in_one_line(["render", &scene, "-o", &output]);
+    assert!(message.starts_with(&format!("error: {scene}: ")), "{message}");
+    assert!(message.contains("has no camera; add a \"camera\""), "{message}");
+    let message = fail_in_one_line(["measure", &scene]);
+    assert!(message.contains("the scene has no meters; add for example"), "{message}");
+}
+
+#[test]
+fn wrong_arguments_are_named_with_what_belongs_there() {
+    let render = ["render", "tests/files/sound.json", "-o", "out.exr"];
+    for (arguments, said) in [
+        (
+            vec!["--resolution", "0x24"],
+            "'0x24' for '--resolution <WxH>': give width and height as in 640x480",
+        ),
+        (vec!["--resolution", "640"], "'640' for '--resolution <WxH>': give width and height as in 640x480"),
+        (vec!["--resolution", "99999x1"], "give width and height as in 640x480"),
+        (vec!["--integrator", "pathh"], "unknown integrator \"pathh\"; did you mean \"path\"?"),
+        (vec!["--spp", "0"], "'0' for '--spp <N>'"),
+        (vec!["--spp", "-3"], "'-3'"),
+        (vec!["--time", "0"], "give a positive number of seconds"),
+        (vec!["--time", "nan"], "give a positive number of seconds"),
+        (vec!["--time", "5", "--spp", "5"], "cannot be used with"),
+        (vec!["--threads", "0"], "'0' for '--threads <N>'"),
+        (vec!["--seed", "1.5"], "'1.5' for '--seed <N>'"),
+        (vec!["--spectral-layers", "0"], "'0' for '--spectral-layers <N>'"),
+        (vec!["--sp", "5"], "'--sp'"),
+    ] {
+        let message = fail(render.into_iter().chain(arguments));
+        assert!(message.contains(said), "{message}");
+    }
+    assert!(!root().join("out.exr").exists());
+    assert!(fail(["rendr"]).contains("'render'"));
+    assert_eq!(
+        fail_in_one_line(["validate", "cornel"]),
+        "error: unknown case \"cornel\"; did you mean \"cornell\"?"
+    );
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_rendering() {
+    let folder = folder("outputs");
+    let inside = |name: &str| folder.join(name).display().to_string();
+    std::fs::create_dir(inside("folder.exr")).expect("made");
+    for (output, png, fault) in [
+        ("nowhere/out.exr", None, "nowhere/out.exr: the folder of the output does not exist; make it first"),
+        ("out.png", None, "out.png: the output is an OpenEXR file; end the file's name in .exr"),
+        ("out", None, "out: the output is an OpenEXR file; end the file's name in .exr"),
+        ("folder.exr", None, "folder.exr: the output is a folder; choose another name"),
+        (
+            "out.exr",
+            Some("out.jpg"),
+            "out.jpg: a developed picture is a PNG or a TIFF; end the file's name in .png",
+        ),
+        ("out.exr", Some("nowhere/out.png"), "nowhere/out.png: the folder of the output does not exist"),
+    ] {
+        // Longer than a fault may take to be reported.
+        let mut arguments = vec!["render".to_owned(), "reference/cornell/scene.json".to_owned()];
+        arguments.extend(["--time".to_owned(), "3".to_owned(), "-o".to_owned(), inside(output)]);
+        arguments.extend(png.into_iter().flat_map(|png| ["--png".to_owned(), inside(png)]));
+        let message = fail_in_one_line(&arguments);
+        assert!(message.starts_with(&format!("error: {}/{fault}", folder.display())), "{message}");
+    }
+    let left: Vec<_> = std::fs::read_dir(&folder).expect("readable").collect();
+    assert_eq!(left.len(), 1, "{left:?}");
+}
+
+/// A rendered file: its samples by channel, as bits, and its attributes.
+struct Picture {
+    channels: BTreeMap<String, Vec<u32>>,
+    layer: exr::prelude::LayerAttributes,
+    image: exr::prelude::ImageAttributes,
+}
+
+impl Picture {
+    fn read(file: &Path) -> Self {
+        let reader = exr::prelude::read().no_deep_data().largest_resolution_level();
+        let image =
+            reader.all_channels().first_valid_layer().all_attributes().from_file(file).expect("an EXR");
+        let channels = image.layer_data.channel_data.list.iter().map(|channel| {
+            let FlatSamples::F32(samples) = &channel.sample_data else {
+                panic!("{} has not 32 bits", channel.name)
+            };
+            (channel.name.to_string(), samples.iter().map(|v| v.to_bits()).collect())
+        });
+        Self {
+            channels: channels.collect(),
+            layer: image.layer_data.attributes.clone(),
+            image: image.attributes.clone(),
+        }
+    }
+
+    fn names(&self) -> Vec<&str> {
+        self.channels.keys().map(String::as_str).collect()
+    }
+
+    /// The facts that stand in the file as JSON.
+    fn facts(&self) -> Value {
+        let exr::prelude::AttributeValue::Text(facts) = self.other("etalon") else { panic!("no text") };
+        serde_json::from_str(&facts.to_string()).expect("the facts are JSON")
+    }
+
+    fn other(&self, name: &str) -> &exr::prelude::AttributeValue {
+        self.layer.other.get(&exr::prelude::Text::from(name)).expect(name)
+    }
+}
+
+/// Renders a scene into `folder` and reads the file back.
+fn render(scene: &Path, folder: &Path, options: &str) -> Picture {
+    let output = folder.join(format!("{}.exr", options.replace(' ', "")));
+    let fixed = ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), output.as_os_str()];
+    succeed(fixed.into_iter().chain(options.split(' ').map(str::as_ref)));
+    Picture::read(&output)
+}
+
+/// Whether the seed alone decides every bit of a picture.
+fn seed_decides(scene: &Path, folder: &Path) {
+    let common = "--resolution 24x24 --spp 6";
+    let one = render(scene, folder, &format!("{common} --threads 1 --seed 7"));
+    let two = render(scene, folder, &format!("{common} --threads 2 --seed 7"));
+    let other = render(scene, folder, &format!("{common} --threads 2 --seed 8"));
+    assert_eq!(one.names(), two.names());
+    for (name, samples) in &one.channels {
+        assert_eq!(samples.len(), 24 * 24);
+        let differing = samples.iter().zip(&two.channels[name]).filter(|(a, b)| a != b).count();
+        assert_eq!(differing, 0, "{name} of {} depends on the number of threads", scene.display());
+        assert_ne!(samples, &other.channels[name], "{name} of {} ignores the seed", scene.display());
+    }
+}
+
+#[test]
+fn any_number_of_threads_renders_the_same_bits() {
+    let folder = folder("threads");
+    for case in ["cornell", "schoedl-2007"] {
+        seed_decides(&root().join("reference").join(case).join("scene.json"), &folder);
+    }
+}
+
+#[test]
+fn any_number_of_threads_renders_the_same_bits_with_dispersion() {
+    let folder = folder("threads-dispersion");
+    let plain = std::fs::read_to_string(root().join("reference/schoedl-2007/scene.json")).expect("readable");
+    let dispersive = plain.replace("{\"index\": 1.5}", "{\"index\": \"n-sf11\"}");
+    assert_ne!(plain, dispersive, "the glass has been described otherwise");
+    let scene = folder.join("scene.json");
+    std::fs::write(&scene, dispersive).expect("written");
+    seed_decides(&scene, &folder);
+}
+
+#[test]
+fn a_picture_says_what_it_is() {
+    use exr::prelude::{AttributeValue, Text, attribute::Chromaticities};
+    let folder = folder("facts");
+    let scene = root().join("tests/files/sound.json");
+    let picture = render(&scene, &folder, "--resolution 12x8 --spp 4 --seed 3");
+    assert_eq!(picture.names(), ["X", "Y", "Z", "stderr.X", "stderr.Y", "stderr.Z"]);
+
+    let facts = picture.facts();
+    assert_eq!(facts["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(facts["scene"], "sound");
+    assert_eq!(facts["seed"], 3);
+    assert_eq!(facts["samples_per_pixel"], 4);
+    assert_eq!(facts["integrator"], "path");
+    assert_eq!(facts["non_finite_samples"], 0);
+    let hash = facts["scene_hash"].as_str().expect("text");
+    assert!(hash.len() == 16 && hash.bytes().all(|b| b.is_ascii_hexdigit()), "{hash}");
+    assert!(succeed(["check", "tests/files/sound.json"]).contains(hash));
+    let camera = &facts["camera"];
+    for (key, value) in [("iso", 100.0), ("shutter_s", 0.01), ("f_stop", 8.0), ("focal_length_mm", 50.0)] {
+        assert_eq!(camera[key], value, "{key}");
+    }
+    // EV100 = log2(N^2 / t) at ISO 100; saturation at 78 N^2 / (q t ISO), ISO 12232.
+    for (key, truth) in [
+        ("ev100", (64.0f64 / 0.01).log2()),
+        ("saturation_luminance_cd_m2", 78.0 * 64.0 / (0.65 * 0.01 * 100.0)),
+    ] {
+        let value = camera[key].as_f64().expect("a number");
+        assert!((value / truth - 1.0).abs() < 1e-12, "{key}: {value} against {truth}");
+    }
+
+    let layer = &picture.layer;
+    assert_eq!(layer.exposure, Some(0.01));
+    assert_eq!(layer.aperture, Some(8.0));
+    assert_eq!(layer.iso_speed, Some(100.0));
+    assert_eq!(layer.white_luminance, Some(1.0));
+    assert_eq!(picture.other("focalLength"), &AttributeValue::F32(50.0));
+    assert_eq!(layer.software_name, Some(Text::from(concat!("etalon ", env!("CARGO_PKG_VERSION")))));
+    let Chromaticities { red, green, blue, white } =
+        picture.image.chromaticities.expect("X, Y, Z are primaries");
+    let xy = [red, green, blue, white].map(|c| [c.x(), c.y()]);
+    assert_eq!(xy, [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [1.0 / 3.0, 1.0 / 3.0]]);
+}
+
+#[test]
+fn further_channels_are_added_when_asked_for() {
+    let folder = folder("channels");
+    let scene = root().join("tests/files/sound.json");
+    let picture = render(&scene, &folder, "--resolution 12x8 --spp 64 --linear-srgb --spectral-layers 8");
+    let mut expected: Vec<String> =
+        ["X", "Y", "Z", "stderr.X", "stderr.Y", "stderr.Z", "R", "G", "B"].map(str::to_owned).to_vec();
+    // Middles of eight equal bands from 360 to 830 nm.
+    let middles = (0..8).map(|band| 360.0 + 470.0 / 8.0 * (f64::from(band) + 0.5));
+    expected.extend(middles.map(|nm| format!("S0.{nm:.6}nm").replace('.', ",").replacen(',', ".", 1)));
+    expected.sort();
+    assert_eq!(picture.names(), expected);
+    // The names R, G, B mean what readers expect only without other primaries declared.
+    assert_eq!(picture.image.chromaticities, None);
+    let at = |name: &str, pixel: usize| f64::from(f32::from_bits(picture.channels[name][pixel]));
+    let brightest = (0..96).max_by(|a, b| at("Y", *a).total_cmp(&at("Y", *b))).expect("pixels");
+    assert!(at("Y", brightest) > 0.0);
+    // Y of sRGB's primaries, IEC 61966-2-1.
+    let luminance = 0.2126 * at("R", brightest) + 0.7152 * at("G", brightest) + 0.0722 * at("B", brightest);
+    assert!(
+        (luminance / at("Y", brightest) - 1.0).abs() < 1e-3,
+        "{luminance} against {}",
+        at("Y", brightest)
+    );
+}
+
+#[test]
+fn a_developed_picture_is_written_beside_the_absolute_one() {
+    let folder = folder("developed");
+    for name in ["out.png", "out.tiff"] {
+        let (exr, png) = (folder.join("out.exr"), folder.join(name));
+        let arguments =
+            ["render".as_ref(), "tests/files/sound.json".as_ref(), "-o".as_ref(), exr.as_os_str()];
+        let options = ["--png".as_ref(), png.as_os_str(), "--spp".as_ref(), "2".as_ref()];
+        succeed(arguments.into_iter().chain(options));
+        let picture = image::open(&png).expect("a picture");
+        assert_eq!([picture.width(), picture.height()], [36, 24]);
+    }
+    assert_eq!(std::fs::read_dir(&folder).expect("readable").count(), 3, "nothing temporary is left");
+}
+
+#[test]
+fn rendering_off_a_terminal_is_silent_but_for_one_line() {
+    let folder = folder("silent");
+    let output = folder.join("out.exr");
+    let arguments =
+        ["render".as_ref(), "reference/cornell/scene.json".as_ref(), "-o".as_ref(), output.as_os_str()];
+    let options = ["--resolution", "32x32", "--spp", "8"].map(str::as_ref);
+    let said = succeed(arguments.into_iter().chain(options));
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(said.contains("8 samples per pixel"), "{said}");
+}
+
+#[test]
+fn every_reference_scene_is_explained_in_numbers() {
+    for scene in reference_scenes() {
+        let said = succeed(["check".as_ref(), scene.as_os_str()]);
+        let line = |start: &str| {
+            said.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{said}"))
+        };
+        let number_before = |line: &str, unit: &str| -> f64 {
+            let before = line.split(unit).next().unwrap_or_default();
+            before.rsplit(' ').next().and_then(|word| word.parse().ok()).unwrap_or_else(|| panic!("{line}"))
+        };
+        let file = json(&scene);
+        let lamp = file["objects"].as_array().expect("objects").iter().find_map(|o| o.get("emission"));
+        let level = &lamp.expect("a lamp")["level"];
+        let truth = match (&level["flux_lm"], &level["electrical_power"]) {
+            (Value::Number(lumens), _) => lumens.as_f64(),
+            (_, Value::Object(lamp)) => lamp["power_w"]
+                .as_f64()
+                .zip(lamp["efficacy_lm_per_w"].as_f64())
+                .map(|(watts, efficacy)| watts * efficacy),
+            _ => None,
+        };
+        let lumens = number_before(line("light"), " lm,");
+        assert!(lumens > 0.0, "{said}");
+        if let Some(truth) = truth {
+            assert!((lumens / truth - 1.0).abs() < 1e-6, "{}: {lumens} lm, not {truth}", scene.display());
+        }
+        let kelvin = number_before(line("light").split_once("CCT").expect("a CCT").1, " K");
+        assert!((1000.0..25_000.0).contains(&kelvin), "{said}");
+
+        let camera = |key: &str| file["camera"][key].as_f64().expect("a number");
+        let truth = (camera("f_stop").powi(2) / camera("shutter_s") * 100.0 / camera("iso")).log2();
+        let ev100 = number_before(line("exposure").split_once("EV100").expect("EV100").1, ",");
+        assert!((ev100 - truth).abs() < 6e-4, "{}: EV100 {ev100}, not {truth}", scene.display());
+    }
+}
+
+#[test]
+fn measurements_come_as_json() {
+    // One candela in every direction from two metres: a quarter of a lux.
+    let scene = r#"{
+        "name": "point", "length_unit": "m",
+        "lights": [{"point": {"position": [0, 0, 2], "emission": {"spectrum": "d65", "level": {"intensity_cd": 1}}}}],
+        "meters": [{"illuminance": {"name": "desk", "position": [0, 0, 0], "normal": [0, 0, 1]}}]
+    }"#;
+    let file = folder("measure").join("scene.json");
+    std::fs::write(&file, scene).expect("written");
+    let options = ["--json", "--samples", "4096", "--seed", "5"].map(str::as_ref);
+    let said = succeed(["measure".as_ref(), file.as_os_str()].into_iter().chain(options));
+    let report: Value = serde_json::from_str(&said).expect("JSON");
+    assert_eq!((&report["samples"], &report["seed"]), (&4096.into(), &5.into()));
+    let reading = &report["meters"][0];
+    assert_eq!(
+        (&reading["name"], &reading["kind"], &reading["unit"]),
+        (&"desk".into(), &"illuminance".into(), &"lx".into())
+    );
+    let number = |key: &str| reading[key].as_f64().expect("a number");
+    let (value, half_width) = (number("value"), number("half_width_95"));
+    // A half width of 95 % is two standard errors; five of them at most.
+    assert!((value - 0.25).abs() < 2.5 * half_width + 1e-6, "{value} +- {half_width} lx, not 0.25");
+    assert!(half_width < 0.02, "{half_width}");
+}
+
+#[test]
+fn spectra_of_every_kind_are_listed() {
+    let kinds: BTreeSet<String> = std::fs::read_dir(root().join("spectra"))
+        .expect("the spectra are there")
+        .map(|entry| entry.expect("readable").path())
+        .filter(|path| {
+            let mut inside = std::fs::read_dir(path).into_iter().flatten().flatten();
+            inside.any(|file| file.path().extension().is_some_and(|ending| ending == "csv"))
+        })
+        .map(|path| path.file_name().expect("a name").to_string_lossy().into_owned())
+        .collect();
+    let list = succeed(["spectra"]);
+    let listed: BTreeSet<String> =
+        list.lines().filter_map(|line| line.split_whitespace().next()).map(str::to_owned).collect();
+    assert_eq!(listed, kinds);
+    for name in ["d65", "cornell-white", "gold", "n-bk7", "cornell-lamp"] {
+        assert!(list.lines().any(|line| line.split_whitespace().nth(1) == Some(name)), "{name}");
+    }
+}
+
+#[test]
+fn a_glass_is_described_by_its_index_and_abbe_number() {
+    let said = succeed(["spectra", "n-bk7"]);
+    let line = said.lines().find(|line| line.starts_with("index")).expect("an index");
+    let numbers: Vec<f64> = line
+        .split(|c: char| !(c.is_ascii_digit() || c == '.'))
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    // Schott's data sheet: nd 1.51680, vd 64.17.
+    assert!((numbers[0] - 1.5168).abs() < 5e-6 && (numbers[1] - 64.17).abs() < 5e-3, "{line}");
+}
+
+#[test]
+fn an_unknown_spectrum_is_refused_with_a_suggestion() {
+    let near = fail_in_one_line(["spectra", "n-bk8"]);
+    assert_eq!(near, "error: unknown spectrum \"n-bk8\"; did you mean \"n-bk7\"?");
+    let far = fail_in_one_line(["spectra", "nosuch"]);
+    assert!(far.contains("unknown spectrum \"nosuch\"; ") && far.ends_with(" among them"), "{far}");
+}
+
+/// Why a value does not follow a schema, with its pointer; `None` where it does. Knows the
+/// keywords that the scene's schema uses, and refuses others.
+fn breach(schema: &Value, whole: &Value, value: &Value, pointer: &str) -> Option<String> {
+    let wrong = |why: &str| Some(format!("{pointer}: {why}"));
+    for (keyword, rule) in schema.as_object().expect("a schema is an object") {
+        let inside = |part: &Value, value: &Value, name: &str| {
+            breach(part, whole, value, &format!("{pointer}/{name}"))
+        };
+        let list = || rule.as_array().expect("a list of alternatives").iter();
+        let found = match keyword.as_str() {
+            "$schema" | "$defs" | "title" | "description" | "default" | "format" => None,
+            "$ref" => {
+                let target =
+                    rule.as_str().and_then(|link| whole.pointer(link.strip_prefix('#')?)).expect("a target");
+                breach(target, whole, value, pointer)
+            }
+            "type" if rule.is_array() => {
+                let fits = list().any(|kind| is_of_type(value, kind));
+                if fits { None } else { wrong(&format!("not of type {rule}")) }
+            }
+            "type" => {
+                if is_of_type(value, rule) {
+                    None
+                } else {
+                    wrong(&format!("not of type {rule}"))
+                }
+            }
+            "const" => {
+                if value == rule {
+                    None
+                } else {
+                    wrong(&format!("not {rule}"))
+                }
+            }
+            "enum" => {
+                if list().any(|one| one == value) {
+                    None
+                } else {
+                    wrong(&format!("none of {rule}"))
+                }
+            }
+            "minimum" => match (value.as_f64(), rule.as_f64()) {
+                (Some(value), Some(least)) if value < least => wrong("too small"),
+                _ => None,
+            },
+            "anyOf" | "oneOf" => {
+                let fitting = list().filter(|one| breach(one, whole, value, pointer).is_none()).count();
+                let fits = if keyword == "oneOf" { fitting == 1 } else { fitting > 0 };
+                if fits { None } else { wrong(&format!("{fitting} alternatives fit")) }
+            }
+            "minItems" => value
+                .as_array()
+                .filter(|l| (l.len() as u64) < rule.as_u64().expect("a count"))
+                .and(wrong("too short")),
+            "maxItems" => value
+                .as_array()
+                .filter(|l| l.len() as u64 > rule.as_u64().expect("a count"))
+                .and(wrong("too long")),
+            "items" => {
+                let mut items = value.as_array().into_iter().flatten().enumerate();
+                items.find_map(|(index, item)| inside(rule, item, &index.to_string()))
+            }
+            "required" => value
+                .as_object()
+                .and_then(|object| list().find(|key| !object.contains_key(key.as_str().expect("a key"))))
+                .and_then(|key| wrong(&format!("{key} is missing"))),
+            "properties" => {
+                let mut entries = value.as_object().into_iter().flatten();
+                entries.find_map(|(key, value)| inside(rule.get(key)?, value, key))
+            }
+            "additionalProperties" => {
+                let known = schema.get("properties").and_then(Value::as_object);
+                let mut others = value.as_object().into_iter().flatten();
+                others.find_map(|(key, value)| match rule {
+                    _ if known.is_some_and(|known| known.contains_key(key)) => None,
+                    Value::Bool(allowed) => {
+                        if *allowed {
+                            None
+                        } else {
+                            wrong(&format!("{key} is unknown"))
+                        }
+                    }
+                    part => inside(part, value, key),
+                })
+            }
+            other => panic!("the schema uses \"{other}\", which this test does not know"),
+        };
+        if found.is_some() {
+            return found;
+        }
+    }
+    None
+}
+
+fn is_of_type(value: &Value, kind: &Value) -> bool {
+    match kind.as_str().expect("a type") {
+        "null" => value.is_null(),
+        "boolean" => value.is_boolean(),
+        "string" => value.is_string(),
+        "number" => value.is_number(),
+        "integer" => value.is_u64() || value.is_i64(),
+        "array" => value.is_array(),
+        "object" => value.is_object(),
+        other => panic!("unknown type \"{other}\""),
+    }
+}
+
+#[test]
+fn the_schema_fits_every_reference_scene() {
+    let schema: Value = serde_json::from_str(&succeed(["schema"])).expect("JSON");
+    assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
+    for scene in reference_scenes() {
+        assert_eq!(breach(&schema, &schema, &json(&scene), ""), None, "{}", scene.display());
+    }
+}
+
+#[test]
+fn the_schema_refuses_what_the_program_refuses_by_form() {
+    let schema: Value = serde_json::from_str(&succeed(["schema"])).expect("JSON");
+    let files = root().join("tests/files");
+    assert_eq!(breach(&schema, &schema, &json(&files.join("sound.json")), ""), None);
+    for (file, pointer) in [
+        ("key-unknown", "/camera"),
+        ("key-unknown-at-the-root", ""),
+        ("key-unknown-in-a-shape", "/objects/0/shape"),
+        ("key-missing", "/camera"),
+        ("key-missing-at-the-root", ""),
+        ("variant-unknown", "/materials/white"),
+        ("variant-unknown-unit", "/length_unit"),
+        ("variant-two-in-one", "/objects/0/shape"),
+        ("variant-is-a-number", "/objects/0/shape"),
+        ("type-wrong", "/camera"),
+        ("type-fraction-of-a-pixel", "/camera"),
+        ("type-null", "/materials/white"),
+        ("list-too-short", "/camera"),
+        ("list-too-long", "/camera"),
+        ("level-two-at-once", "/objects/0/emission"),
+        ("band-misspelt", "/objects/0/emission"),
+    ] {
+        let found = breach(&schema, &schema, &json(&files.join(format!("{file}.json"))), "");
+        let found = found.unwrap_or_else(|| panic!("the schema allows {file}.json"));
+        assert!(found.starts_with(&format!("{pointer}: ")), "{file}: {found}");
+    }
+}
