@@ -92,21 +92,28 @@ impl Environment {
     /// input.
     ///
     /// # Errors
-    /// Where it exits with anything but 0; what it printed on standard error has been shown.
+    /// Where it exits with anything but 0; with 2, the user's fault, the last line that it wrote
+    /// on standard error becomes the error.
     pub fn run_module(&self, command: &str, words: &[&OsStr], input: Option<&str>) -> anyhow::Result<()> {
         let mut python = self.harness();
-        python.arg("-m").arg("etalon_validation").arg(command).args(words);
+        python.arg("-m").arg("etalon_validation").arg(command).args(words).stderr(Stdio::piped());
         python.stdin(if input.is_some() { Stdio::piped() } else { Stdio::null() });
         let mut child = python.spawn()?;
+        // A harness that has already refused its arguments no longer listens.
         if let (Some(text), Some(mut stdin)) = (input, child.stdin.take()) {
-            stdin.write_all(text.as_bytes())?;
+            let _ = stdin.write_all(text.as_bytes());
         }
-        match child.wait()?.code() {
+        let output = child.wait_with_output()?;
+        let said = String::from_utf8_lossy(&output.stderr);
+        let (before, last) = said.trim_end().rsplit_once('\n').unwrap_or(("", said.trim_end()));
+        let refused = output.status.code() == Some(2);
+        for line in before.lines().chain((!refused).then_some(last).filter(|line| !line.is_empty())) {
+            eprintln!("{line}");
+        }
+        match output.status.code() {
             Some(0) => Ok(()),
-            Some(2) => Err(Error::new(format!("the harness could not {command}"))
-                .hint("see the message above")
-                .into()),
-            code => anyhow::bail!("the harness failed to {command} (exit code {code:?})"),
+            Some(2) => Err(Error::new(last.strip_prefix("error: ").unwrap_or(last)).into()),
+            code => anyhow::bail!("the harness failed at \"{command}\" (exit code {code:?})"),
         }
     }
 

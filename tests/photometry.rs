@@ -295,25 +295,43 @@ fn lamps_of_every_shape_give_off_the_flux_they_state() {
     }
 }
 
-/// Several lights of very different power are the sum of each alone.
+/// Several lights are the sum of each alone, also a weak one beside one that is a thousand
+/// million times stronger and hidden.
 #[test]
 fn lights_add_up() {
     let point = |x: f64, lm: f64| json!({ "point": { "position": [x, 0, 0], "emission": lamp(json!({ "flux_lm": lm })) } });
-    let disk = json!([{ "shape": { "disk": { "center": [0, 0, 1], "normal": [0, 0, -1], "radius": 0.3 } }, "material": "black",
-        "emission": lamp(json!({ "luminance_cd_m2": 50 })) }]);
+    let disk = json!({ "shape": { "disk": { "center": [0, 0, 1], "normal": [0, 0, -1], "radius": 0.3 } }, "material": "black",
+        "emission": lamp(json!({ "luminance_cd_m2": 50 })) });
+    let shade = json!({ "shape": { "box": { "min": [4.9, -0.1, -0.1], "max": [5.1, 0.1, 0.1] } }, "material": "black" });
     let materials = json!({ "black": { "lambertian": { "reflectance": 0 } } });
-    let read = |objects: &Value, lights: Value| {
+    let read = |objects: Value, lights: Value| {
         let meter = illuminance([0., 0., -1.], [0., 0., 1.]);
-        read_one(&metered(materials.clone(), objects.clone(), lights, meter), 1 << 18)
+        read_one(&metered(materials.clone(), objects, lights, meter), 1 << 18)
     };
     let parts = [
-        read(&json!([]), json!([point(0.0, 1000.0)])),
-        read(&json!([]), json!([point(0.5, 0.001)])),
-        read(&disk, json!([])),
+        read(json!([]), json!([point(0.0, 10.0)])),
+        read(json!([]), json!([point(0.5, 3.0)])),
+        read(json!([disk]), json!([])),
     ];
     let truth: f64 = parts.iter().map(|r| r.photometric.mean).sum();
-    let all = read(&disk, json!([point(0.0, 1000.0), point(0.5, 0.001)]));
+    let all = read(json!([disk, shade]), json!([point(0.0, 10.0), point(0.5, 3.0)]));
     assert_reads("three lights", &all, truth, 3e-3);
+    let hidden = read(json!([disk, shade]), json!([point(0.0, 10.0), point(5.0, 1e10), point(0.5, 3.0)]));
+    assert_reads("and a hidden strong one", &hidden, truth, 2e-2);
+}
+
+/// A line narrower than the grid keeps its power, wherever it lies between grid points.
+#[test]
+fn narrow_lines_keep_their_power() {
+    for (centre, width) in [(550.0, 1.0), (550.3, 1.0), (550.5, 0.8), (589.0, 0.02)] {
+        let table =
+            json!({ "wavelengths_nm": [centre - width, centre, centre + width], "values": [0, 1, 0] });
+        let lights = json!([{ "point": { "position": [0, 0, 0], "emission": { "spectrum": { "table": table },
+            "level": { "radiant_power": { "power_w": 2, "band_nm": [360, 830] } } } } }]);
+        let scene = metered(json!({}), json!([]), lights, json!([]));
+        let power = scene.emitters[0].radiant_flux.0;
+        assert!((power - 2.0).abs() < 1e-5, "{centre} nm, {width} nm wide: {power} W");
+    }
 }
 
 #[test]

@@ -101,6 +101,39 @@ fn wavelengths_that_share_a_rough_path_are_weighed_right() {
     assert!((z_ratio - 1.0).abs() < 0.03, "Z ratio {z_ratio}");
 }
 
+/// Absorbing bodies within one another, and instruments inside of them: exp(-a d) over each
+/// stretch, with surfaces that bend nothing.
+#[test]
+fn absorbing_media_nest() {
+    let materials = json!({ "black": { "lambertian": { "reflectance": 0 } },
+        "clear": { "dielectric": { "index": 1 } }, "grey": { "dielectric": { "index": 1, "absorption_per_m": 0.5 } } });
+    let lamp = json!({ "shape": { "disk": { "center": [0, 0, 9], "normal": [0, 0, -1], "radius": 5 } }, "material": "black",
+        "emission": { "spectrum": "d65", "level": { "luminance_cd_m2": 1000 } } });
+    let sphere = |radius: f64, material: &str| json!({ "shape": { "sphere": { "center": [0, 0, 0], "radius": radius } }, "material": material });
+    let objects = json!([lamp, sphere(3.0, "grey"), sphere(1.0, "clear")]);
+    // Where the meter is, and the length of grey before it on the way to the lamp.
+    for (z, grey_m) in [(-5.0, 4.0), (-2.0, 3.0), (0.0, 2.0), (2.0, 1.0), (4.0, 0.0)] {
+        let scene =
+            metered(materials.clone(), objects.clone(), json!([]), luminance([0.0, 0.0, z], [0.0, 0.0, 1.0]));
+        let truth = 1000.0 * f64::exp(-0.5 * grey_m);
+        assert_reads(&format!("from z = {z}"), &read_one(&scene, 1 << 16), truth, 2e-3);
+    }
+}
+
+/// Light that total reflection traps in clear glass does not hold up a render.
+#[test]
+fn trapped_light_ends() {
+    let materials =
+        json!({ "glass": { "dielectric": { "index": 1.5 } }, "mirror": { "mirror": { "reflectance": 1 } } });
+    let objects = json!([
+        { "shape": { "box": { "min": [-1, -1, -1], "max": [1, 1, 1] } }, "material": "glass" },
+        { "shape": { "box": { "min": [-3, -3, -3], "max": [3, 3, 3] } }, "material": "mirror" }
+    ]);
+    let lights = json!([{ "point": { "position": [0, 0, 2], "emission": { "spectrum": "d65", "level": { "flux_lm": 1 } } } }]);
+    let scene = metered(materials, objects, lights, luminance([0.1, 0.2, 0.3], [0.5, 0.6, 0.7]));
+    assert_eq!(read_one(&scene, 64).non_finite_samples, 0);
+}
+
 /// A matte ball inside a glass shell: what lands on it has crossed the surface both ways.
 /// In a furnace the ball of reflectance 1 disappears as well.
 #[test]

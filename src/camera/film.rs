@@ -93,11 +93,11 @@ impl Film {
         self.statistics[pixel * self.channels + channel].sum / self.samples_per_pixel as f64
     }
 
-    /// Standard error of that mean; zero while only one block is there.
+    /// Standard error of that mean; NaN while only one block is there and nothing is known.
     pub fn standard_error(&self, pixel: usize, channel: usize) -> f64 {
         self.statistics[pixel * self.channels + channel]
             .standard_error(self.samples_per_pixel, self.blocks)
-            .unwrap_or(0.0)
+            .unwrap_or(f64::NAN)
     }
 
     /// Number of pixels.

@@ -69,15 +69,16 @@ impl Camera {
         self.half_extent.map(|h| 2.0 * h.atan().to_degrees())
     }
 
-    /// The same camera with another number of pixels; the picture's width stays, its height
-    /// follows the new shape.
+    /// The same camera with another number of pixels of the same shape; the picture's width
+    /// stays, its height follows the new aspect.
     #[must_use]
     pub fn with_resolution(&self, resolution: [u32; 2]) -> Self {
         let [width, height] = resolution.map(f64::from);
         let scale = width / f64::from(self.resolution[0]);
+        let taller = height / (scale * f64::from(self.resolution[1]));
         let mut camera = self.clone();
         camera.resolution = resolution;
-        camera.half_extent[1] = self.half_extent[0] * height / width;
+        camera.half_extent[1] = self.half_extent[1] * taller;
         camera.principal_point_px = self.principal_point_px.map(|p| p * scale);
         camera
     }
@@ -141,6 +142,13 @@ mod tests {
             let met = ray.origin + ray.direction * ((target.z - ray.origin.z) / ray.direction.z);
             assert!((met - target).length() < 1e-5, "{met} against {target}");
         }
+    }
+
+    #[test]
+    fn another_resolution_keeps_the_shape_of_a_pixel() {
+        let oblong = Camera { half_extent: [0.5, 0.3], ..camera(None) };
+        assert_eq!(oblong.with_resolution([40, 20]).half_extent, [0.5, 0.3]);
+        assert_eq!(oblong.with_resolution([80, 80]).half_extent, [0.5, 0.6]);
     }
 
     #[test]

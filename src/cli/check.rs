@@ -79,6 +79,7 @@ fn lamp(text: &mut String, lamp: &EmitterFacts) -> std::fmt::Result {
     }
     match lamp.colour_temperature {
         Some(cct) => writeln!(text, ", CCT {:.0} K (Duv {:+.4})", cct.kelvin.0, cct.duv),
+        None if lamp.chromaticity.is_none() => writeln!(text, ", dark"),
         None => writeln!(text, ", no CCT (too far from the Planckian locus)"),
     }
 }

@@ -103,6 +103,7 @@ pub fn render_to_files(
     exr: &Path,
     png: Option<&Path>,
 ) -> anyhow::Result<Facts> {
+    check_memory(view)?;
     let plan = Plan::of(scene, &view.sensor);
     let budget = effort.budget(default_spp);
     let bar = Bar::new();
@@ -114,4 +115,22 @@ pub fn render_to_files(
         write_developed(png, &film, &Development::new(&view.exposure, view.white))?;
     }
     Ok(facts)
+}
+
+/// Refuses a film that no machine of today would hold.
+fn check_memory(view: &View) -> etalon::error::Result<()> {
+    /// Bytes that a film may take.
+    const MOST_BYTES: u64 = 64 << 30;
+    let [width, height] = view.camera.resolution().map(u64::from);
+    let values = width * height * view.sensor.channels.len() as u64;
+    let bytes = values * std::mem::size_of::<etalon::camera::BlockStatistics>() as u64;
+    if bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    let channels = view.sensor.channels.len();
+    Err(etalon::error::Error::new(format!(
+        "a film of {width} x {height} pixels with {channels} channels takes {} GiB",
+        bytes >> 30
+    ))
+    .hint("ask for fewer pixels or fewer spectral layers"))
 }

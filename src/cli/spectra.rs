@@ -5,13 +5,16 @@ use clap::Args;
 use etalon::error::{Error, Result};
 use etalon::python::Environment;
 use etalon::spectrum::colour::{
-    chromaticity_of, colour_temperature, efficacy_lm_per_w, srgb_encode, xyz_of, xyz_of_grid,
+    adapt, chromaticity_of, colour_temperature, efficacy_lm_per_w, srgb_encode, xyz_of, xyz_of_grid,
     xyz_to_linear_srgb,
 };
 use etalon::spectrum::library::{self, Entry, Purpose};
 use etalon::spectrum::{Curve, D_NM, grid_nm};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+/// The white of sRGB, Y = 1 (IEC 61966-2-1).
+const D65_WHITE_XYZ: [f64; 3] = [0.950_456, 1.0, 1.089_058];
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -30,6 +33,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let entry = library::entries()
         .find(|entry| entry.name == name)
         .ok_or_else(|| Error::unknown_name("spectrum", name, library::entries().map(|e| e.name)))?;
+    if let Some(plot) = &arguments.plot {
+        check_plot(plot)?;
+    }
     let description = describe(&entry)?;
     print(&description.join("\n"));
     if let Some(plot) = &arguments.plot {
@@ -90,19 +96,36 @@ fn of_lamp(curve: &Curve) -> Vec<String> {
     lines
 }
 
-/// Colour of a reflectance or transmission under equal energy.
+/// Colour of a reflectance or transmission under equal energy; its display colour keeps a
+/// perfect diffuser white.
 fn under_equal_energy(curve: &Curve) -> Vec<String> {
-    let white = xyz_of_grid(&vec![1.0; grid_nm().len()])[1];
-    let xyz = xyz_of(curve).map(|c| c / white);
-    let srgb = xyz_to_linear_srgb(xyz).map(|c| (255.0 * srgb_encode(c)).round());
+    let white = xyz_of_grid(&vec![1.0; grid_nm().len()]);
+    let xyz = xyz_of(curve).map(|c| c / white[1]);
+    let relative_white = white.map(|c| c / white[1]);
+    let srgb = xyz_to_linear_srgb(adapt(xyz, relative_white, D65_WHITE_XYZ))
+        .map(|c| (255.0 * srgb_encode(c)).round());
     let hex: String = srgb.iter().map(|c| format!("{:02x}", *c as u8)).collect();
     vec![format!(
-        "colour     X {:.5}, Y {:.5}, Z {:.5} under equal energy; sRGB about #{hex}",
+        "colour     X {:.5}, Y {:.5}, Z {:.5} under equal energy; on a display about #{hex}",
         xyz[0], xyz[1], xyz[2]
     )]
 }
 
-fn draw(entry: &Entry, description: &[String], file: &std::path::Path) -> anyhow::Result<()> {
+/// Refuses a file that cannot be drawn to, before anything is computed.
+fn check_plot(file: &Path) -> Result<()> {
+    let ending = file.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    if !["svg", "png"].contains(&ending.as_str()) {
+        let hint = "end the file's name with .svg or .png";
+        return Err(Error::new("cannot draw to this kind of file").hint(hint).in_file(file));
+    }
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder.filter(|folder| !folder.is_dir()) {
+        Some(folder) => Err(Error::new("no such folder").hint("make it first").in_file(folder)),
+        None => Ok(()),
+    }
+}
+
+fn draw(entry: &Entry, description: &[String], file: &Path) -> anyhow::Result<()> {
     let request = serde_json::json!({
         "name": entry.name,
         "kind": entry.kind,

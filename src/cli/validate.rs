@@ -15,11 +15,11 @@ use std::process::ExitCode;
 /// A case that can be named, its folder in `reference/`, and samples per pixel that keep it
 /// under two minutes on two cores.
 const CASES: [(&str, &str, u64); 5] = [
-    ("cornell", "cornell-photo", 256),
-    ("yale-grey", "yale-grey", 128),
-    ("yale-brown", "yale-brown", 128),
-    ("stanford", "stanford", 256),
-    ("peers", "cornell", 1024),
+    ("cornell", "cornell-photo", 512),
+    ("yale-grey", "yale-grey", 512),
+    ("yale-brown", "yale-brown", 512),
+    ("stanford", "stanford", 512),
+    ("peers", "cornell", 8192),
 ];
 
 /// Size of the picture that is compared with a peer: 8x8 blocks are averaged.
@@ -78,6 +78,16 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         words.extend([OsStr::new("--photo"), photo.as_os_str()]);
     }
     words.extend([OsStr::new("-o"), output.as_os_str()]);
+    let as_many = facts.samples_per_pixel.to_string();
+    let spectra = project_root()?.join("spectra");
+    if is_peers {
+        words.extend([
+            OsStr::new("--spp"),
+            OsStr::new(&as_many),
+            OsStr::new("--spectra"),
+            spectra.as_os_str(),
+        ]);
+    }
     environment.run_module(if is_peers { "peers" } else { "score" }, &words, None)?;
     announce(&output, is_peers);
     Ok(ExitCode::SUCCESS)

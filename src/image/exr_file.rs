@@ -72,7 +72,7 @@ fn attributes(facts: &Facts, sensor: &Sensor) -> LayerAttributes {
         iso_speed: Some(facts.camera.iso as f32),
         ..LayerAttributes::default()
     };
-    let json = serde_json::to_string(facts).expect("the facts are plain data");
+    let json = ascii_only(&serde_json::to_string(facts).expect("the facts are plain data"));
     let mut other = |name: &str, value: AttributeValue| {
         attributes.other.insert(Text::new_or_panic(name), value);
     };
@@ -84,4 +84,15 @@ fn attributes(facts: &Facts, sensor: &Sensor) -> LayerAttributes {
         other("emissiveUnits", AttributeValue::Text(Text::from("W.m^-2.sr^-1.nm^-1")));
     }
     attributes
+}
+
+/// JSON with everything beyond ASCII escaped: EXR text has one byte per character.
+fn ascii_only(json: &str) -> String {
+    let escape = |unit: &u16| format!("\\u{unit:04x}");
+    json.chars()
+        .map(|c| match c {
+            ' '..='~' => c.to_string(),
+            _ => c.encode_utf16(&mut [0; 2]).iter().map(escape).collect(),
+        })
+        .collect()
 }

@@ -37,7 +37,17 @@ pub fn read_meters(scene: &Scene, samples: u64, seed: u64) -> Vec<Reading> {
     let plan = Plan::of(scene, &sensor);
     let tracer = PathTracer::new(scene, &plan);
     let one = |(index, meter): (usize, &Meter)| {
-        read(&tracer, &plan, &sensor, meter, &Run { samples, seed, index: index as u64 })
+        let position = match meter.kind {
+            MeterKind::Illuminance(point) => point.position + point.normal * point.error,
+            MeterKind::Luminance { position, .. } => position,
+        };
+        read(
+            &tracer.starting_at(position),
+            &plan,
+            &sensor,
+            meter,
+            &Run { samples, seed, index: index as u64 },
+        )
     };
     scene.meters.iter().enumerate().map(one).collect()
 }

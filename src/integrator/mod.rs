@@ -5,6 +5,7 @@
 
 mod blocks;
 mod measure;
+mod media;
 mod path;
 
 pub use blocks::{Budget, Progress, Rendering, Silent};
@@ -48,6 +49,10 @@ pub fn render(
     progress: &dyn Progress,
 ) -> Rendering {
     match integrator {
-        Integrator::Path => blocks::render(&PathTracer::new(scene, plan), view, plan, budget, progress),
+        Integrator::Path => {
+            let eye = view.camera.placement().position.as_vec3a();
+            let tracer = PathTracer::new(scene, plan).starting_at(eye);
+            blocks::render(&tracer, view, plan, budget, progress)
+        }
     }
 }

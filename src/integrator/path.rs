@@ -10,6 +10,7 @@
 //! Between drawing a light and meeting it by chance the power heuristic decides (Veach 1997,
 //! equation 9.13), with each side's density averaged over the lanes.
 
+use super::media::Media;
 use crate::geometry::{Frame, Hit, Ray, SurfacePoint};
 use crate::light::Light;
 use crate::material::{Bsdf, BsdfSample, Lambertian, Quantity};
@@ -20,12 +21,19 @@ use glam::Vec3A;
 
 /// Bounces before a path may be ended at random.
 const SURE_BOUNCES: u32 = 3;
+/// Bounces after which light counts as trapped, as by total reflection in clear glass.
+const TRAPPED_BOUNCES: u32 = 1000;
+/// Probability that trapped light is followed on, however much it carries: paths end, and the
+/// variance stays finite wherever a bounce keeps less than 99.95 %.
+const TRAPPED_SURVIVAL: f32 = 0.999;
 
 /// Estimates radiance along rays and irradiance at points.
 #[derive(Clone, Copy)]
 pub struct PathTracer<'a> {
     scene: &'a Scene,
     plan: &'a Plan,
+    /// What rays start in.
+    start: Media<'a>,
 }
 
 /// A path on its way from the camera.
@@ -40,8 +48,8 @@ struct Walk<'a> {
     bounce: u32,
     /// How the ray was drawn: what meeting a light needs to weigh itself.
     origin: Origin,
-    /// What the ray travels through, where it absorbs.
-    medium: Option<&'a Dense>,
+    /// What the ray travels through; kept only where something absorbs.
+    media: Media<'a>,
     /// Product of the n^2 factors that the throughput holds.
     radiance_scale: f32,
 }
@@ -64,19 +72,29 @@ struct Vertex<'a> {
     shading: Frame,
     bsdf: Bsdf,
     wo: Vec3A,
+    object: u32,
     absorption: Option<&'a Dense>,
 }
 
 impl<'a> PathTracer<'a> {
     /// A tracer for a scene under its plan.
     pub const fn new(scene: &'a Scene, plan: &'a Plan) -> Self {
-        Self { scene, plan }
+        Self { scene, plan, start: Media::NONE }
+    }
+
+    /// The same tracer for rays that start at a position, which may be inside a medium.
+    #[must_use]
+    pub fn starting_at(mut self, position: Vec3A) -> Self {
+        if self.plan.tracks_media {
+            self.start = Media::around(self.scene, position);
+        }
+        self
     }
 
     /// Radiance arriving against a ray, in W sr^-1 m^-2 nm^-1 at each wavelength: a sample
     /// whose mean over lanes and draws is the truth.
     pub fn radiance(&self, ray: Ray, wavelengths: &Wavelengths, sampler: &Sampler) -> Spectrum {
-        let mut walk = Walk::start(ray);
+        let mut walk = Walk::start(ray, self.start);
         self.follow(&mut walk, wavelengths, sampler);
         walk.gathered
     }
@@ -91,9 +109,10 @@ impl<'a> PathTracer<'a> {
             shading: Frame::around(point.normal),
             bsdf: Bsdf::Lambertian(white),
             wo: point.normal,
+            object: u32::MAX,
             absorption: None,
         };
-        let mut walk = Walk::start(Ray::new(point.position, point.normal));
+        let mut walk = Walk::start(Ray::new(point.position, point.normal), self.start);
         if self.scatter(&mut walk, &vertex, wavelengths, sampler) {
             self.follow(&mut walk, wavelengths, sampler);
         }
@@ -102,7 +121,7 @@ impl<'a> PathTracer<'a> {
 
     fn follow(&self, walk: &mut Walk<'a>, wavelengths: &Wavelengths, sampler: &Sampler) {
         while let Some(hit) = self.scene.geometry.intersect(&walk.ray) {
-            if let Some(absorption) = walk.medium {
+            if let Some(absorption) = walk.media.absorption() {
                 walk.throughput *= transmittance(absorption, hit.t, wavelengths);
             }
             self.gather_emission(walk, &hit, wavelengths);
@@ -121,6 +140,7 @@ impl<'a> PathTracer<'a> {
             shading: hit.shading,
             bsdf: material.at(wavelengths),
             wo: -walk.ray.direction,
+            object: hit.object,
             absorption: material.absorption(),
         }
     }
@@ -177,7 +197,7 @@ impl<'a> PathTracer<'a> {
         sampler: &Sampler,
     ) {
         let geometry = &self.scene.geometry;
-        let choice = sampler.single(Stream::LightChoice, walk.bounce);
+        let choice = sampler.fine(Stream::LightChoice, walk.bounce);
         let Some((light, probability)) = self.scene.lights.choose(choice) else { return };
         let u = sampler.pair(Stream::LightPoint, walk.bounce);
         let Some(sample) = light.sample_towards(geometry, &vertex.point, u, wavelengths) else { return };
@@ -195,7 +215,7 @@ impl<'a> PathTracer<'a> {
         let weight = if sample.is_delta { 1.0 } else { power_heuristic(drawn, by_chance) };
         let mut light = sample.radiance;
         // Light reaches the vertex through the medium on its own side of the surface.
-        if let Some(absorption) = vertex.medium_towards(direction, walk.medium) {
+        if let Some(absorption) = vertex.media_towards(direction, walk.media).absorption() {
             light *= transmittance(absorption, sample.shadow_ray.t_max, wavelengths);
         }
         walk.gathered += walk.throughput * scattered.value * light * (weight / drawn);
@@ -210,20 +230,18 @@ impl<'a> Vertex<'a> {
         agrees(wo) && agrees(wi)
     }
 
-    /// What absorbs on the way in a direction: the surface's own medium behind it, what the
-    /// path came through in front.
-    fn medium_towards(&self, direction: Vec3A, current: Option<&'a Dense>) -> Option<&'a Dense> {
-        let crosses = self.point.normal.dot(direction) * self.point.normal.dot(self.wo) < 0.0;
-        match crosses && self.bsdf.transmits() {
-            true if self.point.normal.dot(direction) < 0.0 => self.absorption,
-            true => None,
-            false => current,
+    /// What light travels through on the way in a direction, given what it came through.
+    fn media_towards(&self, direction: Vec3A, mut media: Media<'a>) -> Media<'a> {
+        let (towards, from) = (self.point.normal.dot(direction), self.point.normal.dot(self.wo));
+        if towards * from < 0.0 && self.bsdf.transmits() {
+            media.cross(self.object, self.absorption, towards < 0.0);
         }
+        media
     }
 }
 
 impl<'a> Walk<'a> {
-    const fn start(ray: Ray) -> Self {
+    const fn start(ray: Ray, media: Media<'a>) -> Self {
         Self {
             ray,
             throughput: Spectrum::ONE,
@@ -231,7 +249,7 @@ impl<'a> Walk<'a> {
             gathered: Spectrum::ZERO,
             bounce: 0,
             origin: Origin::Sole,
-            medium: None,
+            media,
             radiance_scale: 1.0,
         }
     }
@@ -249,7 +267,7 @@ impl<'a> Walk<'a> {
             Origin::Sole
         };
         if tracks_media && drawn.is_transmission {
-            self.medium = vertex.medium_towards(direction, self.medium);
+            self.media = vertex.media_towards(direction, self.media);
         }
         if drawn.is_transmission {
             self.radiance_scale *= vertex.bsdf.radiance_scale(drawn.wi);
@@ -269,11 +287,13 @@ impl<'a> Walk<'a> {
             return true;
         }
         let carried = self.throughput.max() / (self.lane_density.mean() * self.radiance_scale);
-        if carried >= 1.0 {
+        let most = if self.bounce < TRAPPED_BOUNCES { 1.0 } else { TRAPPED_SURVIVAL };
+        if carried >= most && most == 1.0 {
             return true;
         }
-        let survives = sampler.single(Stream::Roulette, self.bounce) < carried;
-        self.throughput *= 1.0 / carried;
+        let survival = carried.min(most);
+        let survives = sampler.single(Stream::Roulette, self.bounce) < survival;
+        self.throughput *= 1.0 / survival;
         survives
     }
 }

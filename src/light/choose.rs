@@ -1,4 +1,5 @@
-//! Which light is asked: each in proportion to its power as the sensors see it.
+//! Which light is asked: mostly in proportion to its power as the sensors see it, a little
+//! all alike, since a weak lamp may be the only one that is not hidden.
 
 use super::Light;
 
@@ -7,19 +8,25 @@ use super::Light;
 pub struct Lights {
     lights: Vec<Light>,
     /// Share of power up to and including each light.
-    upto: Vec<f32>,
+    upto: Vec<f64>,
 }
 
 impl Lights {
+    /// Share of the choice that all lights with power have alike.
+    const EVEN_SHARE: f64 = 0.05;
+
     /// Lights with their powers; those without power are never asked.
     pub fn new(lights: Vec<(Light, f64)>) -> Self {
         let total: f64 = lights.iter().map(|(_, power)| power).sum();
+        let shining = lights.iter().filter(|(_, power)| *power > 0.0).count() as f64;
         let mut sum = 0.0;
         let mut list = Self::default();
         for (light, power) in lights {
-            sum += power;
+            if power > 0.0 {
+                sum += (1.0 - Self::EVEN_SHARE) * power / total + Self::EVEN_SHARE / shining;
+            }
             list.lights.push(light);
-            list.upto.push(if total > 0.0 { (sum / total) as f32 } else { 0.0 });
+            list.upto.push(sum);
         }
         list
     }
@@ -43,7 +50,7 @@ impl Lights {
     /// Picks a light by a number in [0, 1); with it the probability of that choice. `None`
     /// where nothing shines.
     #[inline]
-    pub fn choose(&self, u: f32) -> Option<(&Light, f32)> {
+    pub fn choose(&self, u: f64) -> Option<(&Light, f32)> {
         let index = self.upto.partition_point(|upto| *upto <= u);
         let index = index.min(self.lights.len().checked_sub(1)?);
         let probability = self.probability(index as u32);
@@ -54,6 +61,7 @@ impl Lights {
     #[inline]
     pub fn probability(&self, index: u32) -> f32 {
         let index = index as usize;
-        self.upto[index] - if index == 0 { 0.0 } else { self.upto[index - 1] }
+        let before = if index == 0 { 0.0 } else { self.upto[index - 1] };
+        (self.upto[index] - before) as f32
     }
 }

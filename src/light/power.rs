@@ -60,7 +60,7 @@ pub fn resolve(spectrum: &Curve, level: &LevelFile, shape: EmitterShape) -> Resu
         | LevelFile::ElectricalPower { .. }
         | LevelFile::IntensityCd(_)
         | LevelFile::LuminanceCdM2(_) => spectrum.shape(grid_nm()),
-        _ => grid_nm().map(|nm| spectrum.at(nm)).collect(),
+        _ => grid_nm().map(|nm| spectrum.on_grid(nm)).collect(),
     };
     let radiance: Vec<f32> = values.iter().map(|v| (v * factor) as f32).collect();
     if radiance.iter().any(|v| !v.is_finite()) {

@@ -72,6 +72,11 @@ impl Material {
         }
     }
 
+    /// Whether light passes to the other side.
+    pub const fn is_transparent(&self) -> bool {
+        matches!(self, Self::Dielectric { .. })
+    }
+
     /// Whether different wavelengths leave in different directions.
     pub const fn disperses(&self) -> bool {
         matches!(self, Self::Dielectric { excess_index, .. } if !excess_index.is_flat())

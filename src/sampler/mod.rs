@@ -74,6 +74,13 @@ impl Sampler {
         owen_sobol_2d(self.index, self.index_bits, mix(self.key ^ name))
     }
 
+    /// One number in [0, 1) with 48 bits, for a choice among things of very unequal weight.
+    #[inline]
+    pub fn fine(&self, stream: Stream, bounce: u32) -> f64 {
+        let [high, low] = self.pair(stream, bounce).map(f64::from);
+        high + low / 16_777_216.0
+    }
+
     /// One number in [0, 1) for a decision at a bounce.
     #[inline]
     pub fn single(&self, stream: Stream, bounce: u32) -> f32 {

@@ -45,7 +45,7 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
     let mut hash = Fnv::default();
     hash.add(text.as_bytes());
     spectra.files_read.iter().for_each(|(_, text)| hash.add(text.as_bytes()));
-    stage.mesh_bytes.iter().for_each(|bytes| hash.add(&bytes.to_le_bytes()));
+    stage.mesh_bytes.iter().for_each(|bytes| hash.add(bytes));
     Ok(Scene {
         name: file.name.clone(),
         geometry: stage.geometry,

@@ -25,15 +25,15 @@ pub(super) struct Stage<'a> {
     unit: LengthUnit,
     folder: &'a Path,
     builder: GeometryBuilder,
-    mesh_bytes: Vec<u64>,
+    mesh_bytes: Vec<Vec<u8>>,
 }
 
 /// Geometry that stands, and the way from the file's lengths to its own.
 pub(super) struct Built {
     unit: LengthUnit,
     pub geometry: Geometry,
-    /// Sizes of the mesh files read, for the scene's hash.
-    pub mesh_bytes: Vec<u64>,
+    /// The mesh files read, for the scene's hash.
+    pub mesh_bytes: Vec<Vec<u8>>,
 }
 
 impl<'a> Stage<'a> {
@@ -166,7 +166,7 @@ impl<'a> Stage<'a> {
             (what, Some(line)) => fault(what.to_string()).at(line, Some(1)),
             (what, None) => fault(what.to_string()),
         })?;
-        self.mesh_bytes.push(std::fs::metadata(&path).map_or(0, |m| m.len()));
+        self.mesh_bytes.push(std::fs::read(&path).unwrap_or_default());
         for position in &mut mesh.positions {
             let largest = position.abs().max_element();
             *position = self.metres(position.to_array());

@@ -34,11 +34,22 @@ impl Plan {
         if scene.view.as_ref().is_some_and(|view| !view.camera.has_aperture()) {
             reasons.push("pinhole: no lens sampling".into());
         }
-        if scene.lights.is_empty() {
+        if has_point_lights(scene) && scene.materials.iter().any(Material::is_smooth) {
+            reasons.push(
+                "warning: a point light and smooth mirrors or glass: light that only reaches a surface through \
+                 them cannot be found by this integrator and is missing; give the lamp its real size"
+                    .into(),
+            );
+        }
+        if scene.emitters.iter().all(|emitter| emitter.weight() == 0.0) {
             reasons.push("nothing shines: the picture is black".into());
         }
         Self { wavelengths, tracks_media, reasons }
     }
+}
+
+fn has_point_lights(scene: &Scene) -> bool {
+    (0..scene.lights.len()).any(|index| matches!(scene.lights.get(index as u32), Light::Point(_)))
 }
 
 /// Wavelengths in proportion to what sensors and lamps make of them; nothing where no

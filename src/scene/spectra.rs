@@ -97,12 +97,25 @@ impl<'a> Spectra<'a> {
         Ok(curve)
     }
 
+    /// One part of a metal's index, which must be known wherever transport looks.
+    fn index_part(&mut self, spectrum: &SpectrumFile, what: &str) -> Result<Dense> {
+        if let Some((first, last)) = self.resolve(spectrum, Purpose::Reflectance, 0)?.range_nm() {
+            if first > FIRST_NM || last < LAST_NM {
+                return Err(Error::new(format!(
+                    "the refractive index is known from {first} to {last} nm only"
+                ))
+                .hint("an index cannot be continued; use a table that covers 360 to 830 nm"));
+            }
+        }
+        self.not_negative(spectrum, what)
+    }
+
     /// Real and imaginary part of a metal's index.
     pub fn metal(&mut self, metal: &MetalFile) -> Result<(Dense, Dense)> {
         match metal {
             MetalFile::Described(d) => Ok((
-                self.not_negative(&d.n, "a real part n").map_err(|e| e.under("n"))?,
-                self.not_negative(&d.k, "an imaginary part k").map_err(|e| e.under("k"))?,
+                self.index_part(&d.n, "a real part n").map_err(|e| e.under("n"))?,
+                self.index_part(&d.k, "an imaginary part k").map_err(|e| e.under("k"))?,
             )),
             MetalFile::Name(name) => {
                 let metals = || library::entries().filter(|e| e.kind == "metal").map(|e| e.name);

@@ -104,11 +104,11 @@ pub fn colour_temperature(xy: [f64; 2]) -> Option<ColourTemperature> {
         .then_some(ColourTemperature { kelvin: Kelvin(1e6 / mired), duv })
 }
 
-/// Luminous efficacy of radiation over the grid, lm per radiant watt within it; `None` for
-/// black.
+/// Luminous efficacy of radiation over the grid, lm per radiant watt within it, the watts by
+/// the trapezoid rule; `None` for black.
 pub fn efficacy_lm_per_w(curve: &Curve) -> Option<f64> {
     let shape = curve.shape(grid_nm());
-    let watts: f64 = shape.iter().sum();
+    let watts = shape.iter().sum::<f64>() - 0.5 * (shape[0] + shape[shape.len() - 1]);
     (watts > 0.0).then(|| xyz_of_grid(&shape)[1] / watts)
 }
 

@@ -66,6 +66,11 @@ impl Table {
         (self.wavelengths_nm[0], self.wavelengths_nm[self.wavelengths_nm.len() - 1])
     }
 
+    /// Whether any two neighbouring points are closer than a step in nm.
+    pub fn is_finer_than(&self, step_nm: f64) -> bool {
+        self.wavelengths_nm.windows(2).any(|pair| pair[1] - pair[0] < step_nm)
+    }
+
     /// Value at a wavelength, linear between points.
     pub fn at(&self, nm: f64) -> f64 {
         let (first, last) = self.range_nm();
@@ -97,6 +102,17 @@ impl Curve {
         }
     }
 
+    /// Value that stands for the nanometre around a grid point: the value there, or the mean
+    /// over the nanometre where points lie closer, so that no narrow line is missed or
+    /// counted twice.
+    pub fn on_grid(&self, nm: f64) -> f64 {
+        match self {
+            Self::Table(table) if table.is_finer_than(1.0) => self.integral(nm - 0.5, nm + 0.5),
+            Self::Scaled(curve, factor) => curve.on_grid(nm) * factor,
+            _ => self.at(nm),
+        }
+    }
+
     /// The curve at 1 nm steps over a range, times one positive factor that the caller does
     /// not need to know: what matters is the shape. A black body too cold for f64 keeps its
     /// shape.
@@ -109,7 +125,7 @@ impl Curve {
                 logarithms.iter().map(|ln| (ln - largest).exp()).collect()
             }
             Self::Scaled(curve, factor) => curve.shape(wavelengths_nm).iter().map(|v| v * factor).collect(),
-            Self::Constant(_) | Self::Table(_) => wavelengths_nm.map(|nm| self.at(nm)).collect(),
+            Self::Constant(_) | Self::Table(_) => wavelengths_nm.map(|nm| self.on_grid(nm)).collect(),
         }
     }
 

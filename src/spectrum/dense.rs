@@ -1,14 +1,14 @@
 //! Curves as transport reads them: one value per nanometre, or one value in all.
 
 use super::lanes::Spectrum;
-use super::wavelengths::{FIRST_NM, GRID_POINTS, Wavelengths, grid_nm};
+use super::wavelengths::{GRID_POINTS, Wavelengths, grid_nm};
 
 /// A curve resampled onto the 1 nm grid; a flat curve is a single number.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dense {
     /// The same value at every wavelength.
     Flat(f32),
-    /// Values at [`FIRST_NM`], `FIRST_NM` + 1, …; linear between.
+    /// Values at 360, 361, … 830 nm; linear between.
     Grid(Box<[f32; GRID_POINTS]>),
 }
 
@@ -49,12 +49,6 @@ impl Dense {
             Self::Flat(value) => *value,
             Self::Grid(values) => values[index],
         }
-    }
-
-    /// Value at the grid point nearest to a wavelength within the grid.
-    pub fn near_nm(&self, nm: f64) -> f32 {
-        let index = (nm - FIRST_NM).round().clamp(0.0, (GRID_POINTS - 1) as f64);
-        self.at_grid_point(index as usize)
     }
 
     /// Whether the curve is the same everywhere.

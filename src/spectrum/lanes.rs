@@ -96,12 +96,6 @@ impl Spectrum {
     pub fn is_flat(self) -> bool {
         self.0.iter().all(|v| v.to_bits() == self.0[0].to_bits())
     }
-
-    /// `self / divisor` per lane, and zero where the divisor is zero.
-    #[inline]
-    pub fn div_or_zero(self, divisor: Self) -> Self {
-        self.zip(divisor, |a, b| if b == 0.0 { 0.0 } else { a / b })
-    }
 }
 
 impl Default for Spectrum {
