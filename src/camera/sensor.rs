@@ -1,9 +1,9 @@
 //! What a pixel records: its channels' responses over wavelength.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::spectrum::colour::CIE_1931;
 use crate::spectrum::library::{self, Purpose};
-use crate::spectrum::{Dense, GRID_POINTS, Spectrum, Wavelengths, grid_nm};
+use crate::spectrum::{CsvTable, Dense, GRID_POINTS, Spectrum, Wavelengths, grid_nm};
 use crate::units::constants::LUMINOUS_EFFICACY_LM_W;
 
 /// Name of the sensor that records CIE 1931 tristimulus values alone.
@@ -31,15 +31,25 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// CIE 1931 XYZ, and the channels of a tabulated sensitivity where `name` is one.
+    /// CIE 1931 XYZ alone.
+    pub fn cie() -> Self {
+        Self { name: CIE_SENSOR.to_owned(), channels: xyz_channels(), coverage: Vec::new() }
+    }
+
+    /// CIE 1931 XYZ, and the channels of a built-in sensitivity where `name` is one.
     pub fn named(name: &str) -> Result<Self> {
-        let mut sensor = Self { name: name.to_owned(), channels: xyz_channels(), coverage: Vec::new() };
-        if name == CIE_SENSOR {
-            return Ok(sensor);
-        }
-        let table = library::table(name)?;
+        if name == CIE_SENSOR { Ok(Self::cie()) } else { Self::of_table(name, &library::table(name)?) }
+    }
+
+    /// CIE 1931 XYZ, and a channel for every column of a table of sensitivities.
+    pub fn of_table(name: &str, table: &CsvTable) -> Result<Self> {
+        let mut sensor = Self { name: name.to_owned(), ..Self::cie() };
         for column in table.columns.iter().skip(1) {
-            let curve = library::curve(&table, Some(column), Purpose::Emission)?;
+            if !column.chars().all(|c| c.is_ascii_alphanumeric()) || column.is_empty() {
+                return Err(Error::new(format!("the column \"{column}\" cannot name a channel"))
+                    .hint("use letters and digits, such as wavelength_nm,r,g,b"));
+            }
+            let curve = library::curve(table, Some(column), Purpose::Emission)?;
             let response = Dense::from_fn(|nm| curve.at(nm));
             let all = curve.integral_over_all().expect("a table has a range");
             let inside = curve.integral(crate::spectrum::FIRST_NM, crate::spectrum::LAST_NM);

@@ -9,7 +9,9 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-pub use super::file_spectrum::{IndexDescription, IndexFile, MetalFile, SpectrumDescription, SpectrumFile};
+pub use super::file_spectrum::{
+    IndexDescription, IndexFile, MetalFile, SensorDescription, SensorFile, SpectrumDescription, SpectrumFile,
+};
 
 /// A point or direction: x, y, z.
 pub type Vector = [f64; 3];
@@ -398,9 +400,9 @@ pub struct CameraFile {
     /// Lens constant q of H = q L t / N^2; 0.65 (ISO 12232) if left out.
     #[serde(default = "standard_q")]
     pub exposure_constant_q: f64,
-    /// `cie-1931`, or the name of a tabulated camera sensitivity.
+    /// `cie-1931`, or a tabulated camera sensitivity: a built-in one by name, or a CSV file.
     #[serde(default = "standard_observer")]
-    pub sensor: String,
+    pub sensor: SensorFile,
     /// Illuminant that is developed as white: a spectrum; left out, nothing is adapted.
     #[serde(default)]
     pub white_balance: Option<SpectrumFile>,
@@ -410,8 +412,8 @@ const fn standard_q() -> f64 {
     crate::camera::STANDARD_Q
 }
 
-fn standard_observer() -> String {
-    crate::camera::CIE_SENSOR.to_owned()
+fn standard_observer() -> SensorFile {
+    SensorFile::Name(crate::camera::CIE_SENSOR.to_owned())
 }
 
 /// The speed point of ISO 12232 that fixes the level of a developed picture.

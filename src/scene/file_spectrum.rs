@@ -134,6 +134,27 @@ pub struct MetalDescription {
     pub k: SpectrumFile,
 }
 
+/// A camera's sensitivities: a built-in name, or a table.
+#[derive(Clone, Debug, JsonSchema)]
+#[schemars(untagged)]
+pub enum SensorFile {
+    /// `cie-1931`, or a built-in sensitivity.
+    Name(String),
+    /// A table of one's own.
+    Described(SensorDescription),
+}
+
+/// A sensor described in place.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SensorDescription {
+    /// A CSV file with wavelengths in its first column and one column for each channel.
+    Csv {
+        /// Path, relative to the scene file.
+        file: String,
+    },
+}
+
 /// Reads a value that may be a number, a string or a map, keeping the position of faults.
 struct NumberNameOrMap<T>(std::marker::PhantomData<T>);
 
@@ -206,6 +227,7 @@ read_forms! {
     IndexFile: "a number, the name of a glass, or a description such as {\"abbe\": {\"nd\": 1.5168, \"vd\": 64.2}}",
         IndexDescription, number Value;
     MetalFile: "the name of a metal, or {\"n\": ..., \"k\": ...}", MetalDescription;
+    SensorFile: "the name of a sensor, or {\"csv\": {\"file\": ...}}", SensorDescription;
 }
 
 impl<'de> Deserialize<'de> for BandFile {

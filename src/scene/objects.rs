@@ -321,6 +321,12 @@ pub(super) fn lights(
                 Distribution::Cosine(axis.as_vec3a())
             }
         };
+        if emission.two_sided {
+            return Err(at(Error::new("a point light has no sides")
+                .hint("leave two_sided out")
+                .under("two_sided")
+                .under("emission")));
+        }
         let shape = EmitterShape::Point { solid_angle_sr: distribution.solid_angle_sr() };
         let intensity = resolve(emission, shape, spectra).map_err(|e| at(e.under("emission")))?;
         facts.push(EmitterFacts::new(format!("point light {index}"), shape, &intensity));

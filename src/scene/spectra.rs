@@ -309,7 +309,7 @@ impl<'a> Spectra<'a> {
     }
 
     /// Reads a table; its own faults stand in its file, that it cannot be read in the scene.
-    fn read_csv(&mut self, file: &str) -> Result<(PathBuf, CsvTable)> {
+    pub fn read_csv(&mut self, file: &str) -> Result<(PathBuf, CsvTable)> {
         let path = self.folder.join(file);
         let text = std::fs::read_to_string(&path).map_err(|e| Error::named_file(file, &e))?;
         let table = CsvTable::parse(&text).map_err(|e| e.in_file(&path))?;

@@ -1,7 +1,7 @@
 //! The camera of a scene: placement, lens, exposure and sensor from what the file says.
 
 use super::View;
-use super::file::{CameraFile, SpectrumFile};
+use super::file::{CameraFile, SensorDescription, SensorFile, SpectrumFile};
 use super::objects::{Built, unit_vector};
 use super::spectra::Spectra;
 use crate::camera::{CIE_SENSOR, Camera, CameraPlacement, Exposure, LensAperture, Sensor};
@@ -75,7 +75,7 @@ pub(super) fn build(file: &CameraFile, built: &Built, spectra: &mut Spectra<'_>)
     }
     let camera =
         Camera::new(placement(file, built)?, file.resolution, half_extent, file.principal_point_px, aperture);
-    let sensor = sensor(&file.sensor).map_err(|e| e.under("sensor"))?;
+    let sensor = sensor(&file.sensor, spectra).map_err(|e| e.under("sensor"))?;
     let white = match &file.white_balance {
         Some(spectrum) => Some(white_of(spectrum, spectra).map_err(|e| e.under("white_balance"))?),
         None => None,
@@ -83,14 +83,18 @@ pub(super) fn build(file: &CameraFile, built: &Built, spectra: &mut Spectra<'_>)
     Ok(View { camera, exposure, sensor, focal_length_mm, white })
 }
 
-/// The sensor of a name; tables of other kinds are none.
-fn sensor(name: &str) -> Result<Sensor> {
+/// A sensor by name, where tables of other kinds are none, or from a table of the scene's own.
+fn sensor(file: &SensorFile, spectra: &mut Spectra<'_>) -> Result<Sensor> {
+    let name = match file {
+        SensorFile::Described(SensorDescription::Csv { file }) => {
+            let (path, table) = spectra.read_csv(file).map_err(|e| e.under("file").under("csv"))?;
+            return Sensor::of_table(file, &table).map_err(|e| e.in_file(&path));
+        }
+        SensorFile::Name(name) => name.as_str(),
+    };
     let cameras = library::entries().filter(|entry| entry.kind == "sensitivity").map(|entry| entry.name);
     let known: Vec<&str> = cameras.chain([CIE_SENSOR]).collect();
-    if known.contains(&name) {
-        return Sensor::named(name);
-    }
-    Err(Error::unknown_name("sensor", name, known))
+    if known.contains(&name) { Sensor::named(name) } else { Err(Error::unknown_name("sensor", name, known)) }
 }
 
 /// Tristimulus values of the light that is developed white.
