@@ -99,13 +99,10 @@ impl<'a> Spectra<'a> {
 
     /// One part of a metal's index, which must be known wherever transport looks.
     fn index_part(&mut self, spectrum: &SpectrumFile, what: &str) -> Result<Dense> {
-        if let Some((first, last)) = self.resolve(spectrum, Purpose::Reflectance, 0)?.range_nm() {
-            if first > FIRST_NM || last < LAST_NM {
-                return Err(Error::new(format!(
-                    "the refractive index is known from {first} to {last} nm only"
-                ))
+        let range = self.resolve(spectrum, Purpose::Reflectance, 0)?.range_nm();
+        if let Some((first, last)) = range.filter(|(first, last)| *first > FIRST_NM || *last < LAST_NM) {
+            return Err(Error::new(format!("the refractive index is known from {first} to {last} nm only"))
                 .hint("an index cannot be continued; use a table that covers 360 to 830 nm"));
-            }
         }
         self.not_negative(spectrum, what)
     }

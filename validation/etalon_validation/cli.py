@@ -7,6 +7,8 @@ from pathlib import Path
 
 from .errors import InputError
 
+# Samples per pixel of the peer.
+PEER_SPP = 4096
 # Exit code when an input file or an argument is wrong.
 WRONG_INPUT = 2
 
@@ -38,8 +40,12 @@ def parser():
     peers.add_argument("--spectra", type=Path, default=Path("spectra"), help="folder of spectral tables")
     peers.add_argument("--render", type=Path, required=True)
     peers.add_argument("-o", "--output", type=Path, required=True)
-    peers.add_argument("--spp", type=int, default=256, help="samples per pixel of the peer")
+    peers.add_argument("--spp", type=int, default=PEER_SPP, help="samples per pixel of the peer")
     peers.set_defaults(run=run_peers)
+
+    plot = commands.add_parser("plot-spectrum", help="draw the spectral table described on standard input")
+    plot.add_argument("file", type=Path, help="SVG or PNG to write")
+    plot.set_defaults(run=run_plot)
     return top
 
 
@@ -122,3 +128,10 @@ def run_peers(chosen):
 
     verdict = compare_with_mitsuba(chosen.case, chosen.spectra, chosen.render, chosen.output, chosen.spp)
     print(verdict)
+
+
+def run_plot(chosen):
+    """The SVG or PNG of one spectrum."""
+    from .spectrum_plot import plot_spectrum
+
+    plot_spectrum(sys.stdin.read(), chosen.file)

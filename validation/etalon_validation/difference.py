@@ -42,8 +42,13 @@ def delta_e_lab(first, second):
 
 
 def delta_e_2000(first, second):
-    """CIEDE2000 under D65; NaN where a luminance is above white or not positive, where it is undefined."""
+    """CIEDE2000 under D65; NaN where a luminance is not positive. Above white the formula runs on untested: see `above_white`."""
     first, second = np.asarray(first, float), np.asarray(second, float)
-    defined = (first[..., 1] > 0) & (second[..., 1] > 0) & (first[..., 1] <= WHITE_Y) & (second[..., 1] <= WHITE_Y)
+    defined = (first[..., 1] > 0) & (second[..., 1] > 0)
     lab = [colour.XYZ_to_Lab(np.maximum(xyz, 0), WHITE_XY) for xyz in (first, second)]
     return np.where(defined, delta_e_lab(*lab), np.nan)
+
+
+def above_white(first, second):
+    """Where a luminance is above white, so that CIEDE2000 is no measured colour difference."""
+    return (np.asarray(first)[..., 1] > WHITE_Y) | (np.asarray(second)[..., 1] > WHITE_Y)

@@ -4,6 +4,11 @@ Every level predicts the photograph's channels from the render's, with more
 freedom at each step: L0 none, L1 one exposure factor, L2 one gain per channel,
 L3 a 3x3 matrix. L3 predicts each region with a matrix fitted without any
 region of the same surface, so its score is a prediction and not a fit.
+
+A box has few colours: without its red wall there may be two left, and three
+channels cannot be told apart by two. The matrix is therefore the most probable
+one when its entries are expected near the channel gains; colours that were not
+seen keep the gains, and colours that were seen overrule them.
 """
 
 from dataclasses import dataclass
@@ -16,6 +21,9 @@ NAMES = {
     "L2": "three channel gains",
     "L3": "3x3 matrix, each region predicted without its surface",
 }
+# How far an entry of the matrix is expected from the channel gains, in units of them: neighbouring channels of
+# cameras differ by mixtures of about a tenth.
+EXPECTED_MIXTURE = 0.1
 
 
 @dataclass(frozen=True)
@@ -45,9 +53,19 @@ def gains(render, photo, weights):
 
 
 def matrix(render, photo, weights):
-    """The 3x3 matrix that takes render channels to photo channels, by weighted least squares."""
-    solution, *_ = np.linalg.lstsq(render * weights[:, None], photo * weights[:, None], rcond=None)
-    return solution.T
+    """The most probable 3x3 matrix from render channels to photo channels.
+
+    Residuals are normal with the standard deviation that least squares leaves;
+    entries are normal around the channel gains.
+    """
+    gain = gains(render, photo, weights)
+    known, wanted = render * gain * weights[:, None], photo * weights[:, None]
+    free, *_ = np.linalg.lstsq(known, wanted, rcond=None)
+    spare = max(len(render) - 3, 1)
+    residual = np.sqrt(((known @ free - wanted) ** 2).sum() / (3 * spare))
+    rows = np.concatenate([known, residual / EXPECTED_MIXTURE * np.eye(3)])
+    mixture, *_ = np.linalg.lstsq(rows, np.concatenate([wanted - known, np.zeros((3, 3))]), rcond=None)
+    return (gain[:, None] * (np.eye(3) + mixture)).T
 
 
 def climb(render, photo, luminance, surfaces, usable):
@@ -75,15 +93,22 @@ def climb(render, photo, luminance, surfaces, usable):
         matrix(render[fit & (surfaces != surface)], photo[fit & (surfaces != surface)], weights[fit & (surfaces != surface)])
         for surface in surfaces
     ])
-    each = {surface: np.round(held_out[index], 6).tolist() for index, surface in enumerate(surfaces)}
+    each = {str(surface): significant(held_out[index]) for index, surface in enumerate(surfaces)}
     return [
         level("L0", {}, everywhere(np.eye(3)), np.eye(3)),
-        level("L1", {"exposure_stops": round(float(np.log2(factor)), 4), "exposure_factor": factor}, everywhere(factor * np.eye(3)), factor * np.eye(3)),
-        level("L2", {"gains": channel.tolist(), "gains_stops": stops(channel)}, everywhere(np.diag(channel)), np.diag(channel)),
-        level("L3", {"matrix_all_regions": whole.tolist(), "matrices_without_surface": each, "condition_number": float(np.linalg.cond(render[fit] * weights[fit][:, None]))}, held_out, whole),
+        level("L1", {"exposure_stops": round(float(np.log2(factor)), 4), "exposure_factor": significant(factor)}, everywhere(factor * np.eye(3)), factor * np.eye(3)),
+        level("L2", {"gains": significant(channel), "gains_stops": stops(channel)}, everywhere(np.diag(channel)), np.diag(channel)),
+        level("L3", {"matrix_all_regions": significant(whole), "matrices_without_surface": each, "expected_mixture": EXPECTED_MIXTURE}, held_out, whole),
     ]
 
 
 def stops(factors):
     """log2 of each factor; None where a factor is not positive."""
     return [round(float(np.log2(value)), 4) if value > 0 else None for value in factors]
+
+
+def significant(values, digits=6):
+    """Numbers for JSON: nested lists, rounded to significant digits."""
+    if np.ndim(values):
+        return [significant(value, digits) for value in values]
+    return float(f"{float(values):.{digits}g}")

@@ -2,15 +2,20 @@
 
 import numpy as np
 from matplotlib import colormaps
+from scipy.ndimage import uniform_filter
 
 from .difference import duv
 from .overlay import png
 
 # Ends of the colour bars.
-STOPS_RANGE = 2.0
+STOPS_RANGE = 1.0
 DUV_RANGE = 0.06
+# Both sides are averaged over squares of this many pixels, so that the maps show surfaces and not single noisy pixels.
+SMOOTHED_PX = 5
 # Pixels darker than this in the photograph (relative to white) have no chromaticity to compare.
 DARK = 0.01
+# Below this a render is black, and what is left is rounding.
+NOTHING = 1e-7
 
 
 def resized(values, size):
@@ -22,10 +27,15 @@ def resized(values, size):
     return values[rows][:, columns]
 
 
+def smoothed(values):
+    """Means over squares of `SMOOTHED_PX` pixels around each pixel; the scale of an image stays."""
+    return uniform_filter(values, size=(SMOOTHED_PX, SMOOTHED_PX, 1), mode="nearest")
+
+
 def stops_map(predicted_y, photo_y):
     """PNG of log2(render / photo), blue where the render is too dark, red where too bright; dark pixels grey."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        stops = np.log2(predicted_y / photo_y)
+        stops = np.where(predicted_y > NOTHING, np.log2(predicted_y / photo_y), np.nan)
     colours = colormaps["RdBu_r"](np.clip(stops / STOPS_RANGE / 2 + 0.5, 0, 1))[..., :3]
     return masked(colours, photo_y, stops)
 

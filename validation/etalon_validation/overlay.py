@@ -1,6 +1,7 @@
 """Images for eyes: photographs and renders as PNG, with region outlines drawn on them."""
 
 import io
+from html import escape
 
 import matplotlib
 import numpy as np
@@ -23,10 +24,15 @@ def display(linear):
     return png(linear_to_srgb(linear))
 
 
+def spoken(name):
+    """A region's name in words."""
+    return name.replace("_", " ")
+
+
 def outlines_svg(regions, size):
     """An SVG layer with every region's outline and name, to lie over an image of `size`."""
     shapes = "".join(
-        f'<polygon points="{" ".join(f"{u:.1f},{v:.1f}" for u, v in region.polygon)}"><title>{region.name}</title></polygon>'
+        f'<polygon data-region="{escape(region.name)}" points="{" ".join(f"{u:.1f},{v:.1f}" for u, v in region.polygon)}"><title>{escape(spoken(region.name))}</title></polygon>'
         for region in regions
     )
     return f'<svg class="outlines" viewBox="0 0 {size[0]} {size[1]}" preserveAspectRatio="none">{shapes}</svg>'

@@ -79,7 +79,7 @@ def judge_size(ours, our_error, peers):
     score = (ratio[lit] - 1) / np.maximum(noise[lit], 1e-12)
     return {
         "tests": int(lit.sum()), "failed": int(((beyond > TOLERANCE) & lit).sum()), "empty_blocks": int((~lit[..., 1]).sum()),
-        "critical": critical, "largest_beyond_noise": float(beyond[lit].max(initial=0)),
+        "critical": critical, "largest_deviation": float(np.abs(ratio[lit] - 1).max(initial=0)), "largest_score": float(np.abs(score).max(initial=0)), "largest_beyond_noise": float(beyond[lit].max(initial=0)),
         "typical_noise": float(np.median(noise[lit])) if lit.any() else None,
         "mean_square_of_scores": float((score**2).mean()) if lit.any() else None,
         "expected_mean_square": (RUNS - 1) / (RUNS - 3),
@@ -121,8 +121,10 @@ def compare_with_mitsuba(case, spectra_folder, render_path, output, spp):
     render = read_render(render_path)
     with meaning(place, "give the scene a camera"):
         resolution = tuple(scene["camera"]["resolution"])
-    if render.size != resolution:
-        raise InputError(render_path, f"has {render.size} pixels, the scene {resolution}", "render the scene at its own resolution")
+    width, height = render.size
+    if width * resolution[1] != height * resolution[0]:
+        raise InputError(render_path, f"has {render.size} pixels, the scene {resolution}", "render the scene at its own shape")
+    scene["camera"]["resolution"] = [width, height]
     peers, seconds, normalisation = run_mitsuba(scene, Spectra(spectra_folder), spp, place)
     our_error = np.sqrt(blocks(render.stderr**2)) / BLOCK
     result = judge(blocks(render.xyz), our_error, peers)
@@ -135,5 +137,7 @@ def compare_with_mitsuba(case, spectra_folder, render_path, output, spp):
     }
     Path(output).mkdir(parents=True, exist_ok=True)
     (Path(output) / "peers.json").write_text(json.dumps(head | result) + "\n", encoding="utf-8")
+    smallest = result["block_sizes"][BLOCK]
+    largest = f"largest difference of a {BLOCK} px block {smallest['largest_deviation']:.2%} with typical noise {smallest['typical_noise']:.2%}" if smallest["tests"] else "no block is lit"
     resolved = f"agreement shown at {result['resolved_block_px']} px blocks" if result["resolved_block_px"] else "too noisy to show agreement at any block size"
-    return f"{result['verdict']}: {result['failed']} of {result['tests']} block tests differ by more than {TOLERANCE:.1%} beyond noise; {resolved}"
+    return f"{result['verdict']}: {result['failed']} of {result['tests']} block tests differ by more than {TOLERANCE:.1%} beyond noise; {largest}; {resolved}"

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import __version__
-from .difference import SRGB_TO_XYZ, XYZ_TO_SRGB, delta_e_2000, duv
+from .difference import SRGB_TO_XYZ, XYZ_TO_SRGB, above_white, delta_e_2000, duv
 from .errors import InputError
-from .ladder import NAMES, climb
+from .ladder import EXPECTED_MIXTURE, NAMES, climb
 from .polygons import mask
 
 # Draws behind each 95 % interval, and their seed: intervals are reproducible.
@@ -27,6 +27,7 @@ class Comparison:
     pixels: np.ndarray
     channels: np.ndarray
     luminance: np.ndarray
+    noise: np.ndarray
     notes: tuple
 
 
@@ -58,6 +59,7 @@ def compare(table, regions, render):
     if usable.sum() < 4:
         raise InputError(table.path, f"{usable.sum()} regions are bright enough to fit", "measure more regions")
     pixels = np.array([inside.sum() for inside in masks])
+    noise = xyz_error[:, 1] / np.maximum(xyz[:, 1], 1e-12)
     if table.space == "camera_rgb" and render.sensor is not None:
         sensor = np.array([render.sensor[inside].mean(axis=0) for inside in masks])
         scale = xyz[usable, 1].mean() / sensor[usable, 1].mean()
@@ -69,14 +71,14 @@ def compare(table, regions, render):
             "Compared in camera RGB: render radiance weighted with the camera's sensitivity, scaled so that the mean green value equals the mean luminance over saturation. L0 and L1 stand on this scale.",
             "u'v', luminance and dE2000 need XYZ: one matrix from camera RGB to XYZ, fitted on the render's own regions without any photograph value, is applied to both sides.",
         )
-        return Comparison(scale * sensor, scale * sensor * relative, photo, photo_error, to_xyz, pixels, scale * render.sensor, to_xyz[1], notes)
+        return Comparison(scale * sensor, scale * sensor * relative, photo, photo_error, to_xyz, pixels, scale * render.sensor, to_xyz[1], noise, notes)
     notes = ("Compared in linear sRGB with white D65: the photograph's colour encoding is assumed, not known.",)
     if table.space == "camera_rgb":
         notes += ("The photograph is camera RGB but the render has no sensor channels: below L3 its chromaticity is not comparable.",)
     to_rgb = XYZ_TO_SRGB.T
     return Comparison(
         xyz @ to_rgb, np.sqrt(xyz_error**2 @ to_rgb**2), photo, photo_error, SRGB_TO_XYZ,
-        pixels, render.xyz / render.saturation @ to_rgb, SRGB_TO_XYZ[1], notes,
+        pixels, render.xyz / render.saturation @ to_rgb, SRGB_TO_XYZ[1], noise, notes,
     )
 
 
@@ -105,41 +107,52 @@ def score_level(level, both, regions):
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio_interval = interval(noisy[..., 1] / noisy_photo[..., 1])
     duv_interval = interval(duv(noisy, noisy_photo))
-    rows = []
+    rows, undefined = [], []
+    relative_photo = np.sqrt((both.photo_error**2) @ both.to_xyz[1] ** 2) / np.maximum(photo[:, 1], 1e-12)
+    too_bright = above_white(predicted, photo)
     for index, region in enumerate(regions):
-        rows.append({
-            "name": region.name, "surface": region.surface,
-            "duv": number(distance[index]), "duv_95": duv_interval[index],
-            "luminance_ratio": number(ratio[index]), "luminance_ratio_95": ratio_interval[index],
-            "delta_e_2000": number(difference[index], 3), "pixels": int(both.pixels[index]),
-            "in_overall": not region.dark, "flag": "photograph at its black level" if region.dark else None,
+        row = {
+            "name": region.name, "surface": region.surface, "pixels": int(both.pixels[index]),
             "photo_linear": [number(value) for value in both.photo[index]],
             "predicted_linear": [number(value) for value in level.predicted[index]],
+        }
+        figures = {"duv": number(distance[index]), "luminance_ratio": number(ratio[index]), "delta_e_2000": number(difference[index], 3)}
+        if None in figures.values():
+            reason = "the photograph" if not photo[index, 1] > 0 else "the render" if not predicted[index, 1] > 0 else "one side"
+            undefined.append(row | {"reason": f"{reason} has no light here"})
+            continue
+        rows.append(row | figures | {
+            "duv_95": duv_interval[index], "luminance_ratio_95": ratio_interval[index], "above_white": bool(too_bright[index]),
+            "photo_luminance": number(photo[index, 1]),
+            "render_noise": number(both.noise[index]), "photo_noise": number(relative_photo[index]),
+            "render_noise_dominates": bool(both.noise[index] > relative_photo[index]),
+            "in_overall": not region.dark, "flag": "photograph at its black level" if region.dark else None,
         })
-    return {"title": NAMES[level.name], "fitted": level.fitted, "regions": rows, "overall": overall(rows, level, both)}
+    return {"title": NAMES[level.name], "fitted": level.fitted, "regions": rows, "undefined": undefined, "overall": overall(rows, undefined)}
 
 
-def overall(rows, level, both):
+def overall(rows, undefined):
     """Means over the regions that the photograph resolves; each count says over how many its figure is defined."""
-    kept = np.array([row["in_overall"] for row in rows])
+    counted = [row for row in rows if row["in_overall"]]
 
     def column(key):
-        return np.array([row[key] for row in rows if row["in_overall"] and row[key] is not None], float)
+        return np.array([row[key] for row in counted], float)
 
-    distance, difference, ratio = column("duv"), column("delta_e_2000"), column("luminance_ratio")
-    stops = np.log2(ratio[ratio > 0])
-    error = level.predicted[kept] - both.photo[kept]
-    nrmse = np.sqrt((error**2).mean()) / both.photo[kept].mean()
+    distance, ratio = column("duv"), column("luminance_ratio")
+    difference = np.array([row["delta_e_2000"] for row in counted if not row["above_white"]], float)
+    stops = np.log2(ratio)
+    predicted, photo = column("predicted_linear"), column("photo_linear")
+    nrmse = np.sqrt(((predicted - photo) ** 2).mean()) / photo.mean() if counted else np.nan
 
     def some(values, reduce):
         return number(reduce(values)) if len(values) else None
 
     return {
         "mean_duv": some(distance, np.mean), "median_duv": some(distance, np.median), "max_duv": some(distance, np.max),
-        "duv_count": len(distance),
-        "rms_stops": some(stops**2, lambda squares: np.sqrt(squares.mean())), "rms_stops_count": len(stops),
+        "rms_stops": some(stops**2, lambda squares: np.sqrt(squares.mean())),
         "mean_delta_e_2000": some(difference, np.mean), "delta_e_2000_count": len(difference),
-        "nrmse": number(nrmse), "count": int(kept.sum()), "left_out": [row["name"] for row in rows if not row["in_overall"]],
+        "nrmse": number(nrmse), "count": len(counted),
+        "left_out": [row["name"] for row in rows if not row["in_overall"]] + [row["name"] for row in undefined],
     }
 
 
@@ -155,10 +168,11 @@ def score(table, regions, render, reference):
     assumptions = list(both.notes) + [
         f"Photograph: {reference['encoding']}.",
         f"The value 1 stands for {render.saturation:.6g} cd/m2 (the camera's saturation luminance).",
-        "Colour differences compare region means under D65 at Y = 1 without chromatic adaptation; dE2000 is left empty above white.",
-        "Intervals are 95 %: render noise (pixels independent) and the photograph's spread (3 x 3 pixels counted as one); fits are held fixed; calibration, glare and vignetting are not included.",
+        "Colour differences compare region means under D65 at Y = 1 without chromatic adaptation; dE2000 of a region above white is marked and kept out of the mean.",
+        "Intervals are 95 %: render noise (pixels and channels independent, which makes the interval of u'v' too wide rather than too narrow) and the photograph's spread (3 x 3 pixels counted as one); fits are held fixed; calibration, glare and vignetting are not included.",
         "Regions whose mean linear value in the photograph is below 0.01 are listed, flagged and kept out of fits and overall figures.",
-        "L3 predicts every region with a matrix fitted without any region of its surface (leave one surface out).",
+        "A region's render value is the mean over its pixels with the mean's standard error; bright single pixels are neither removed nor clipped. Where that error is larger than the photograph's, the region says so.",
+        f"L3 predicts every region with a matrix fitted without any region of its surface (leave one surface out). Its entries are expected within {EXPECTED_MIXTURE:g} of the channel gains, so that a colour that no other surface shows keeps the gains.",
     ]
     report = {
         "scene": record.get("scene"), "scene_hash": record.get("scene_hash"), "reference": reference,

@@ -57,6 +57,18 @@ class Command(unittest.TestCase):
         self.assertEqual(level["overall"]["count"], 8)
         self.assertIsNotNone(level["regions"][8]["flag"])
 
+    def test_every_figure_is_a_number_and_regions_without_light_stand_apart(self):
+        self.image[:, -12:] = 0
+        write_render(self.folder / "out.exr", self.image / 2**0.7)
+        self.score()
+        for level in self.report()["levels"].values():
+            self.assertEqual([row["name"] for row in level["undefined"]], ["patch_8"])
+            self.assertEqual(level["overall"]["left_out"], ["patch_8"])
+            for row in level["regions"]:
+                for key in ("duv", "luminance_ratio", "delta_e_2000", "render_noise", "photo_noise"):
+                    self.assertIsInstance(row[key], float)
+                self.assertTrue(row["render_noise_dominates"], "the photograph of this case has no noise")
+
     def test_the_table_stands_in_for_the_photograph(self):
         self.assertEqual(self.score()[0], 0)
         self.assertEqual(self.report()["reference"]["kind"], "region_table")

@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from etalon_validation.difference import WHITE_XYZ, chromaticity, delta_e_2000, delta_e_lab, duv
+from etalon_validation.difference import WHITE_XYZ, above_white, chromaticity, delta_e_2000, delta_e_lab, duv
 
 
 class Difference(unittest.TestCase):
@@ -19,8 +19,9 @@ class Difference(unittest.TestCase):
     def test_chromaticity_ignores_luminance(self):
         self.assertAlmostEqual(float(duv(WHITE_XYZ, 0.01 * WHITE_XYZ)), 0)
 
-    def test_delta_e_is_undefined_above_white_and_without_light(self):
-        self.assertTrue(np.isnan(delta_e_2000(1.1 * WHITE_XYZ, WHITE_XYZ)))
+    def test_delta_e_is_marked_above_white_and_undefined_without_light(self):
+        self.assertTrue(above_white(1.1 * WHITE_XYZ, WHITE_XYZ))
+        self.assertFalse(above_white(WHITE_XYZ, WHITE_XYZ))
         self.assertTrue(np.isnan(delta_e_2000(0 * WHITE_XYZ, WHITE_XYZ)))
         self.assertAlmostEqual(float(delta_e_2000(WHITE_XYZ, WHITE_XYZ)), 0)
 

@@ -50,6 +50,16 @@ class Ladder(unittest.TestCase):
             np.testing.assert_array_equal(after[own], before[own], err_msg=surface)
             self.assertGreater(np.abs(after[~own] - before[~own]).max(), 1e-3, "the others must see the change")
 
+    def test_a_colour_that_no_other_surface_shows_keeps_the_gains(self):
+        """Grey surfaces and one red one, with noise: nothing told of red, so nothing may be made up."""
+        generator = np.random.default_rng(5)
+        photo = np.array([[0.5, 0.5, 0.5], [0.3, 0.3, 0.3], [0.4, 0.4, 0.4], [0.2, 0.2, 0.2], [0.5, 0.05, 0.02], [0.3, 0.03, 0.01]])
+        surfaces = ["wall", "wall", "floor", "floor", "red", "red"]
+        render = photo * generator.uniform(0.8, 1.25, photo.shape)
+        found = {level.name: level for level in climb(render, photo, LUMINANCE, surfaces, np.ones(6, bool))}["L3"]
+        ratio = (found.predicted @ LUMINANCE / (photo @ LUMINANCE))[4:]
+        np.testing.assert_allclose(np.log2(ratio), 0, atol=0.6)
+
     def test_dark_regions_do_not_steer_a_fit(self):
         photo = COLOURS.copy()
         photo[-1] = 0.009
