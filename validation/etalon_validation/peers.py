@@ -138,6 +138,6 @@ def compare_with_mitsuba(case, spectra_folder, render_path, output, spp):
     Path(output).mkdir(parents=True, exist_ok=True)
     (Path(output) / "peers.json").write_text(json.dumps(head | result) + "\n", encoding="utf-8")
     smallest = result["block_sizes"][BLOCK]
-    largest = f"largest difference of a {BLOCK} px block {smallest['largest_deviation']:.2%} with typical noise {smallest['typical_noise']:.2%}" if smallest["tests"] else "no block is lit"
+    largest = f"largest difference of a {BLOCK} px block {smallest['largest_deviation']:.2%} with typical noise {smallest['typical_noise']:.2%}, largest z-score {smallest['largest_score']:.1f}" if smallest["tests"] else "no block is lit"
     resolved = f"agreement shown at {result['resolved_block_px']} px blocks" if result["resolved_block_px"] else "too noisy to show agreement at any block size"
     return f"{result['verdict']}: {result['failed']} of {result['tests']} block tests differ by more than {TOLERANCE:.1%} beyond noise; {largest}; {resolved}"
