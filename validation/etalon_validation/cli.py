@@ -53,7 +53,7 @@ def main(arguments=None):
     """Runs one subcommand and returns the exit code."""
     chosen = parser().parse_args(arguments)
     try:
-        chosen.run(chosen)
+        return chosen.run(chosen) or 0
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return WRONG_INPUT
@@ -62,7 +62,6 @@ def main(arguments=None):
     except OSError as error:
         print(f"error: {error.filename}: {error.strerror}; check the path and its permissions", file=sys.stderr)
         return WRONG_INPUT
-    return 0
 
 
 def run_score(chosen):
@@ -123,11 +122,12 @@ def run_pose(chosen):
 
 
 def run_peers(chosen):
-    """peers.json and a verdict."""
+    """peers.json and a verdict; exit code 1 unless it is a pass."""
     from .peers import compare_with_mitsuba
 
     verdict = compare_with_mitsuba(chosen.case, chosen.spectra, chosen.render, chosen.output, chosen.spp)
     print(verdict)
+    return 0 if verdict.startswith("pass") else 1
 
 
 def run_plot(chosen):

@@ -101,7 +101,7 @@ def judge(ours, our_error, peers):
     resolved = [size for size, result in sizes.items() if result["typical_noise"] is not None and result["typical_noise"] < MOST_NOISE]
     failed = sum(result["failed"] for result in sizes.values())
     return {
-        "verdict": "fail" if failed else "pass" if resolved else "undecided",
+        "verdict": "fail" if failed else "pass" if BLOCK in resolved else "undecided",
         "failed": failed, "tests": sum(result["tests"] for result in sizes.values()),
         "resolved_block_px": min(resolved) if resolved else None,
         "mirrored_left_right": mirror, "block_sizes": sizes,
@@ -133,7 +133,7 @@ def compare_with_mitsuba(case, spectra_folder, render_path, output, spp):
         "peer": {"name": "Mitsuba", "version": metadata.version("mitsuba"), "variant": VARIANT, "samples_per_pixel": spp // RUNS * RUNS, "runs": RUNS, "seconds": round(seconds, 1)},
         "scale": f"Nothing fitted. Mitsuba XYZ x {normalisation:.4f} (its Y constant; the observer's own integral is 106.8569) x {EFFICACY:g} lm/W.",
         "orientation": "The picture's right is look x up on both sides.",
-        "rule": f"Pass when every block and channel agrees within {TOLERANCE:.1%} beyond noise (t quantile, Sidak over all blocks of a size, false alarm {FALSE_ALARM:.0%}), at {BLOCK}x{BLOCK} pixels and every doubling; resolved_block_px is the smallest size with typical noise below {MOST_NOISE:.2%}, and without one the verdict is undecided.",
+        "rule": f"Pass when every block and channel agrees within {TOLERANCE:.1%} beyond noise (t quantile, Sidak over all blocks of a size, false alarm {FALSE_ALARM:.0%}), at {BLOCK}x{BLOCK} pixels and every doubling; resolved_block_px is the smallest size with typical noise below {MOST_NOISE:.2%}; where that is not {BLOCK}, the verdict is undecided.",
     }
     Path(output).mkdir(parents=True, exist_ok=True)
     (Path(output) / "peers.json").write_text(json.dumps(head | result) + "\n", encoding="utf-8")
