@@ -38,6 +38,8 @@ pub mod image;
 pub mod integrator;
 pub mod light;
 pub mod material;
+pub mod measure;
+pub mod path;
 pub mod python;
 pub mod sampler;
 pub mod scene;

@@ -39,19 +39,22 @@ pub struct Film {
     channels: usize,
     /// Pixel by pixel in rows, channel by channel.
     statistics: Vec<BlockStatistics>,
+    /// Sums of the block being taken, where light may arrive at any pixel at any time.
+    block: Option<Vec<f64>>,
     /// Samples that every pixel has.
     samples_per_pixel: u64,
     /// Blocks that every pixel has.
     blocks: u32,
-    /// Samples that were not finite; each is counted as zero and reported.
+    /// Contributions that were not finite; each is counted as zero and reported.
     pub non_finite_samples: u64,
 }
 
 impl Film {
-    /// An empty film.
-    pub fn new(resolution: [u32; 2], channels: usize) -> Self {
+    /// An empty film; `splats` where pixels receive more than their own samples.
+    pub fn new(resolution: [u32; 2], channels: usize, splats: bool) -> Self {
         let pixels = resolution[0] as usize * resolution[1] as usize;
         Self {
+            block: splats.then(|| vec![0.0; pixels * channels]),
             resolution,
             channels,
             statistics: vec![BlockStatistics::default(); pixels * channels],
@@ -76,15 +79,38 @@ impl Film {
         self.samples_per_pixel
     }
 
-    /// The rows, for threads to fill; follow with [`Film::finish_block`].
-    pub fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, BlockStatistics> {
-        let row = self.resolution[0] as usize * self.channels;
-        self.statistics.chunks_exact_mut(row)
+    /// Adds the sums of a row's own samples, `count` in each pixel, channel by channel.
+    pub fn add_row(&mut self, row: usize, sums: &[f64], count: u32) {
+        let first = row * self.resolution[0] as usize * self.channels;
+        let range = first..first + sums.len();
+        match &mut self.block {
+            Some(block) => block[range].iter_mut().zip(sums).for_each(|(total, sum)| *total += sum),
+            None => {
+                let row = &mut self.statistics[range];
+                row.iter_mut().zip(sums).for_each(|(statistic, sum)| statistic.add_block(*sum, count));
+            }
+        }
+    }
+
+    /// Adds contributions to pixels wherever they are: `values` holds one number per channel
+    /// for each of `pixels`.
+    pub fn add_splats(&mut self, pixels: &[u32], values: &[f64]) {
+        let Some(block) = &mut self.block else { return };
+        for (pixel, values) in pixels.iter().zip(values.chunks_exact(self.channels)) {
+            let first = *pixel as usize * self.channels;
+            block[first..].iter_mut().zip(values).for_each(|(total, value)| *total += value);
+        }
     }
 
     /// Notes that every pixel has received one block of `count` samples.
-    pub const fn finish_block(&mut self, count: u32) {
-        self.samples_per_pixel += count as u64;
+    pub fn finish_block(&mut self, count: u32) {
+        if let Some(block) = &mut self.block {
+            for (statistic, sum) in self.statistics.iter_mut().zip(block) {
+                statistic.add_block(*sum, count);
+                *sum = 0.0;
+            }
+        }
+        self.samples_per_pixel += u64::from(count);
         self.blocks += 1;
     }
 

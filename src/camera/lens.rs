@@ -1,6 +1,6 @@
 //! Rays from the sensor through a pinhole or a thin lens.
 
-use crate::geometry::Ray;
+use crate::geometry::{Ray, SurfacePoint};
 use glam::{DVec3, Vec3A};
 
 /// Where a camera is, in scene units and right-handed world coordinates.
@@ -94,10 +94,72 @@ impl Camera {
         let Some(aperture) = self.aperture else {
             return Ray::new(vec3a(position), vec3a(through.normalize()));
         };
-        let [lens_x, lens_y] = disk_point(u_lens).map(|c| c * aperture.radius);
-        let offset = right * lens_x + up * lens_y;
+        let offset = self.lens_offset(&aperture, u_lens);
         let direction = (through * aperture.focus_distance - offset).normalize();
         Ray::new(vec3a(position + offset), vec3a(direction))
+    }
+
+    /// The point of the lens that `u_lens` in [0, 1)^2 names, uniform over its area; the
+    /// pinhole where there is none.
+    pub fn lens_point(&self, u_lens: [f32; 2]) -> SurfacePoint {
+        let offset = self.aperture.map_or(DVec3::ZERO, |aperture| self.lens_offset(&aperture, u_lens));
+        self.point_at(vec3a(self.placement.position + offset))
+    }
+
+    /// A position on the lens as a point without error, facing the scene.
+    pub fn point_at(&self, position: Vec3A) -> SurfacePoint {
+        SurfacePoint { position, error: Vec3A::ZERO, normal: vec3a(self.placement.forward) }
+    }
+
+    fn lens_offset(&self, aperture: &LensAperture, u_lens: [f32; 2]) -> DVec3 {
+        let [x, y] = disk_point(u_lens).map(|c| c * aperture.radius);
+        self.placement.right * x + self.placement.up * y
+    }
+
+    /// Density of a point of the lens per square scene unit; `None` for a pinhole.
+    pub fn pdf_lens_area(&self) -> Option<f64> {
+        self.aperture.map(|aperture| 1.0 / (std::f64::consts::PI * aperture.radius * aperture.radius))
+    }
+
+    /// Where in the picture light is recorded, in pixels, that arrives at a point of the lens
+    /// from a direction (which points into the scene); `None` outside the picture.
+    pub fn picture_position(&self, lens_point: Vec3A, direction: Vec3A) -> Option<[f64; 2]> {
+        let CameraPlacement { position, forward, right, up } = self.placement;
+        let direction = direction.as_dvec3();
+        let along = direction.dot(forward);
+        if along <= 0.0 {
+            return None;
+        }
+        // The point of the plane in focus, or of the plane at distance one.
+        let (offset, distance) = match self.aperture {
+            Some(aperture) => (lens_point.as_dvec3() - position, aperture.focus_distance),
+            None => (DVec3::ZERO, 1.0),
+        };
+        let slope = direction / along + offset / distance;
+        let [width, height] = self.resolution.map(f64::from);
+        let x = (slope.dot(right) / self.half_extent[0] + 1.0) * 0.5 * width + self.principal_point_px[0];
+        let y = (1.0 - slope.dot(up) / self.half_extent[1]) * 0.5 * height + self.principal_point_px[1];
+        ((0.0..width).contains(&x) && (0.0..height).contains(&y)).then_some([x, y])
+    }
+
+    /// Density in sr^-1 of a direction into the scene when positions are uniform over the
+    /// whole picture: 1 / (A cos^3) for a picture of area A at distance one.
+    pub fn pdf_solid_angle(&self, direction: Vec3A) -> f64 {
+        let cosine = direction.as_dvec3().dot(self.placement.forward);
+        let area = 4.0 * self.half_extent[0] * self.half_extent[1];
+        if cosine > 0.0 { 1.0 / (area * cosine * cosine * cosine) } else { 0.0 }
+    }
+
+    /// Where a ray meets the front of the lens, and how far away; never for a pinhole.
+    pub fn meet_lens(&self, ray: &Ray) -> Option<(SurfacePoint, f32)> {
+        let aperture = self.aperture?;
+        let direction = ray.direction.as_dvec3();
+        let span = self.placement.position - ray.origin.as_dvec3();
+        let approach = direction.dot(self.placement.forward);
+        let distance = span.dot(self.placement.forward) / approach;
+        let offset = direction * distance - span;
+        let meets = approach < 0.0 && distance > 0.0 && offset.length_squared() < aperture.radius.powi(2);
+        meets.then(|| (self.point_at(vec3a(self.placement.position + offset)), distance as f32))
     }
 }
 
@@ -142,6 +204,36 @@ mod tests {
             let met = ray.origin + ray.direction * ((target.z - ray.origin.z) / ray.direction.z);
             assert!((met - target).length() < 1e-5, "{met} against {target}");
         }
+    }
+
+    #[test]
+    fn light_is_recorded_where_its_ray_was_drawn() {
+        for aperture in [None, Some(LensAperture { radius: 0.05, focus_distance: 2.0 })] {
+            let camera = Camera { principal_point_px: [1.5, -0.5], ..camera(aperture) };
+            for (x, y, u) in [(0.5, 0.5, [0.1, 0.9]), (39.5, 3.25, [0.7, 0.4]), (17.0, 19.9, [0.5, 0.01])] {
+                let ray = camera.ray([x, y], u);
+                let [px, py] = camera.picture_position(ray.origin, ray.direction).expect("in the picture");
+                assert!((px - x).abs() < 1e-4 && (py - y).abs() < 1e-4, "{px} {py} against {x} {y}");
+            }
+        }
+    }
+
+    /// The mean of 1/p over directions drawn with density p is the picture's solid angle: for
+    /// a centred picture 4 asin(sin a sin b) with half angles a, b of its sides' planes.
+    #[test]
+    fn directions_fall_as_densely_as_they_say() {
+        let camera = camera(None);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for row in 0..200 {
+            for column in 0..400 {
+                let place = [(f64::from(column) + 0.5) * 0.1, (f64::from(row) + 0.5) * 0.1];
+                sum += 1.0 / camera.pdf_solid_angle(camera.ray(place, [0.0; 2]).direction);
+                count += 1.0;
+            }
+        }
+        let [a, b] = camera.half_extent.map(f64::atan);
+        let truth = 4.0 * (a.sin() * b.sin()).asin();
+        assert!((sum / count / truth - 1.0).abs() < 1e-5, "{} against {truth}", sum / count);
     }
 
     #[test]

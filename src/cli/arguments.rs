@@ -24,7 +24,7 @@ pub struct Effort {
     /// Size of the picture instead of the scene's, as WIDTHxHEIGHT
     #[arg(long, value_name = "WxH", value_parser = resolution)]
     pub resolution: Option<[u32; 2]>,
-    /// Algorithm: path
+    /// Algorithm: path, light or bdpt
     #[arg(long, value_name = "NAME", default_value = "path", value_parser = integrator)]
     pub integrator: Integrator,
 }
@@ -69,7 +69,7 @@ fn resolution(text: &str) -> Result<[u32; 2], String> {
     Ok([side(width).ok_or_else(explain)?, side(height).ok_or_else(explain)?])
 }
 
-fn integrator(name: &str) -> Result<Integrator, String> {
+pub fn integrator(name: &str) -> Result<Integrator, String> {
     let known = || Integrator::ALL.iter().map(|i| i.name());
     Integrator::named(name).ok_or_else(|| Error::unknown_name("integrator", name, known()).to_string())
 }

@@ -1,6 +1,7 @@
 //! `etalon check`: a scene explained in numbers, without rendering.
 
 use clap::Args;
+use etalon::integrator::Integrator;
 use etalon::light::EmitterFacts;
 use etalon::light::power::EmitterShape;
 use etalon::scene::{Plan, Scene, View};
@@ -49,7 +50,7 @@ fn explain(scene: &Scene) -> Result<String, std::fmt::Error> {
         )?;
     }
     if let Some(view) = &scene.view {
-        for reason in Plan::of(scene, &view.sensor).reasons {
+        for reason in Plan::of(scene, &view.sensor, Integrator::default().strategies()).reasons {
             writeln!(text, "plan       {reason}")?;
         }
     }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use etalon::error::Error;
-use etalon::integrator::{Reading, read_meters};
+use etalon::integrator::{Integrator, Reading, read_meters};
 use etalon::scene::Scene;
 use serde_json::json;
 use std::path::PathBuf;
@@ -21,6 +21,9 @@ pub struct Arguments {
     /// Threads; all processors if left out
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Algorithm: path, light or bdpt
+    #[arg(long, value_name = "NAME", default_value = "path", value_parser = super::arguments::integrator)]
+    integrator: Integrator,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -34,7 +37,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         let hint = "add for example \"meters\": [{\"illuminance\": {\"name\": \"desk\", \"position\": [0, 0, 0], \"normal\": [0, 0, 1]}}]";
         return Err(Error::new("the scene has no meters").hint(hint).in_file(&arguments.scene).into());
     }
-    let readings = read_meters(&scene, arguments.samples, arguments.seed);
+    let readings = read_meters(&scene, arguments.integrator, arguments.samples, arguments.seed);
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&as_json(&scene, arguments, &readings))?);
     } else {
@@ -89,6 +92,7 @@ fn as_json(scene: &Scene, arguments: &Arguments, readings: &[Reading]) -> serde_
         "scene_hash": scene.hash,
         "samples": arguments.samples,
         "seed": arguments.seed,
+        "integrator": arguments.integrator.name(),
         "version": env!("CARGO_PKG_VERSION"),
         "meters": meters,
     })

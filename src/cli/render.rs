@@ -104,10 +104,10 @@ pub fn render_to_files(
     png: Option<&Path>,
 ) -> anyhow::Result<Facts> {
     check_memory(view)?;
-    let plan = Plan::of(scene, &view.sensor);
+    let plan = Plan::of(scene, &view.sensor, effort.integrator.strategies());
     let budget = effort.budget(default_spp);
     let bar = Bar::new();
-    let Rendering { film, elapsed } = render(effort.integrator, scene, view, &plan, &budget, &bar);
+    let Rendering { film, elapsed } = render(scene, view, &plan, &budget, &bar);
     bar.finish();
     let facts = Facts::of(scene, view, &plan, effort.integrator, &budget, &film, elapsed);
     write_exr(exr, &film, &view.sensor, &facts, layers)?;

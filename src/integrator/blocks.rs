@@ -1,13 +1,17 @@
 //! The loop that fills the film: block after block of samples, every pixel the same number.
 //!
-//! A pixel's samples are taken in order by one thread and added up in f64, so the picture
-//! does not depend on how many threads there are.
+//! A row's samples are taken in order by one thread and added up in f64, and rows are added to
+//! the film in their order, so the picture does not depend on how many threads there are.
 
-use super::path::PathTracer;
-use crate::camera::{BlockStatistics, Film, Sensor};
-use crate::sampler::{BlockSampler, Sampler, Stream};
+use super::tracer::{Draw, Tracer};
+use crate::camera::Film;
+use crate::path::Subpaths;
+use crate::sampler::{BlockSampler, Stream};
 use crate::scene::{Plan, View};
+use crate::spectrum::Spectrum;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -55,14 +59,14 @@ pub struct Rendering {
 }
 
 pub(super) fn render(
-    tracer: &PathTracer<'_>,
+    tracer: &Tracer<'_>,
     view: &View,
     plan: &Plan,
     budget: &Budget,
     progress: &dyn Progress,
 ) -> Rendering {
     let started = Instant::now();
-    let mut film = Film::new(view.camera.resolution(), view.sensor.channels.len());
+    let mut film = Film::new(view.camera.resolution(), view.sensor.channels.len(), plan.strategies.splats());
     let mut block = 0;
     while film.samples_per_pixel() < budget.samples_per_pixel {
         let late = budget.time.is_some_and(|limit| started.elapsed() >= limit);
@@ -100,63 +104,94 @@ struct BlockOf {
     size: u32,
 }
 
+/// What a row of a block's samples has found.
+struct RowResult {
+    /// Sums of the row's own pixels, channel by channel.
+    own: Vec<f64>,
+    /// Pixels elsewhere that light was joined to the eye at, in the order found.
+    splat_pixels: Vec<u32>,
+    /// What they recorded, channel by channel.
+    splat_values: Vec<f64>,
+    non_finite: u64,
+}
+
+/// Rows of a block are added to the film in the order of the picture, whoever is done first:
+/// sums of floating-point numbers depend on their order.
+struct Merge<'f> {
+    film: &'f mut Film,
+    size: u32,
+    next: usize,
+    waiting: BTreeMap<usize, RowResult>,
+}
+
+impl Merge<'_> {
+    fn add(&mut self, row: usize, result: RowResult) {
+        self.waiting.insert(row, result);
+        while let Some(result) = self.waiting.remove(&self.next) {
+            self.film.add_row(self.next, &result.own, self.size);
+            self.film.add_splats(&result.splat_pixels, &result.splat_values);
+            self.film.non_finite_samples += result.non_finite;
+            self.next += 1;
+        }
+    }
+}
+
 fn render_block(
-    tracer: &PathTracer<'_>,
+    tracer: &Tracer<'_>,
     view: &View,
     plan: &Plan,
     film: &mut Film,
     block: &BlockOf,
     report_share: &(dyn Fn(f64) + Sync),
 ) {
-    let [width, height] = view.camera.resolution();
-    let channels = film.channels();
-    let non_finite = AtomicU64::new(0);
+    let [_, height] = view.camera.resolution();
     let rows_done = AtomicU64::new(0);
-    film.rows_mut().enumerate().par_bridge().for_each(|(row, pixels)| {
-        for (column, statistics) in pixels.chunks_exact_mut(channels).enumerate() {
-            let pixel = row as u64 * u64::from(width) + column as u64;
-            let numbers = BlockSampler::new(block.seed, pixel, block.number, block.size);
-            let mut sums = vec![0.0; channels];
-            for index in 0..block.size {
-                let sampler = numbers.sample(index);
-                let place = [column as f64, row as f64];
-                if !sample(tracer, view, plan, place, &sampler, &mut sums) {
-                    non_finite.fetch_add(1, Ordering::Relaxed);
-                }
-            }
-            add(statistics, &sums, block.size);
-        }
+    let merge = Mutex::new(Merge { film, size: block.size, next: 0, waiting: BTreeMap::new() });
+    (0..height as usize).into_par_iter().with_max_len(1).for_each(|row| {
+        let result = render_row(tracer, view, plan, block, row);
+        merge.lock().expect("no thread panics while it adds").add(row, result);
         let done = rows_done.fetch_add(1, Ordering::Relaxed) + 1;
         report_share(done as f64 / f64::from(height));
     });
-    film.non_finite_samples += non_finite.into_inner();
 }
 
-/// Adds one sample of a pixel to the channels' sums; false, and nothing added, where it is
-/// not finite.
-fn sample(
-    tracer: &PathTracer<'_>,
-    view: &View,
-    plan: &Plan,
-    [left, top]: [f64; 2],
-    sampler: &Sampler,
-    sums: &mut [f64],
-) -> bool {
-    let [x, y] = sampler.pair(Stream::Pixel, 0).map(f64::from);
-    let u_lens = if view.camera.has_aperture() { sampler.pair(Stream::Lens, 0) } else { [0.0; 2] };
-    let wavelengths = plan.wavelengths.sample(sampler.single(Stream::Wavelength, 0));
-    let ray = view.camera.ray([left + x, top + y], u_lens);
-    let radiance = tracer.radiance(ray, &wavelengths, sampler);
-    if !radiance.is_finite() {
-        return false;
+fn render_row(tracer: &Tracer<'_>, view: &View, plan: &Plan, block: &BlockOf, row: usize) -> RowResult {
+    let [width, _] = view.camera.resolution();
+    let sensor = &view.sensor;
+    let channels = sensor.channels.len();
+    let mut result = RowResult {
+        own: vec![0.0; width as usize * channels],
+        splat_pixels: Vec::new(),
+        splat_values: Vec::new(),
+        non_finite: 0,
+    };
+    let mut paths = Subpaths::default();
+    for (column, own) in result.own.chunks_exact_mut(channels).enumerate() {
+        let pixel = row as u64 * u64::from(width) + column as u64;
+        let numbers = BlockSampler::new(block.seed, pixel, block.number, block.size);
+        for index in 0..block.size {
+            let sampler = numbers.sample(index);
+            let wavelengths = plan.wavelengths.sample(sampler.single(Stream::Wavelength, 0));
+            let [x, y] = sampler.pair(Stream::Pixel, 0).map(f64::from);
+            let position = [column as f64 + x, row as f64 + y];
+            let draw = Draw { position, wavelengths: &wavelengths, sampler: &sampler };
+            let mut radiance = Spectrum::ZERO;
+            tracer.trace(&draw, &mut paths, &mut |contribution| {
+                let weighed = contribution.estimate * contribution.weight;
+                if !weighed.is_finite() {
+                    result.non_finite += 1;
+                } else if let Some([x, y]) = contribution.position {
+                    result.splat_pixels.push(y as u32 * width + x as u32);
+                    let first = result.splat_values.len();
+                    result.splat_values.resize(first + channels, 0.0);
+                    let values = &mut result.splat_values[first..];
+                    sensor.record(weighed, &wavelengths, |channel, value| values[channel] = value);
+                } else {
+                    radiance += weighed;
+                }
+            });
+            sensor.record(radiance, &wavelengths, |channel, value| own[channel] += value);
+        }
     }
-    let sensor: &Sensor = &view.sensor;
-    sensor.record(radiance, &wavelengths, |channel, value| sums[channel] += value);
-    true
-}
-
-fn add(statistics: &mut [BlockStatistics], sums: &[f64], size: u32) {
-    for (statistic, sum) in statistics.iter_mut().zip(sums) {
-        statistic.add_block(*sum, size);
-    }
+    result
 }

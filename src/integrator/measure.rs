@@ -1,8 +1,10 @@
 //! What a scene's instruments read, with a confidence interval.
 
-use super::path::PathTracer;
+use super::Integrator;
+use super::tracer::{Draw, Tracer};
 use crate::camera::{CIE_SENSOR, Sensor};
 use crate::geometry::Ray;
+use crate::path::{Eye, Subpaths};
 use crate::sampler::{BlockSampler, Stream};
 use crate::scene::{Meter, MeterKind, Plan, Scene};
 use crate::statistics::{BATCHES, BatchMean};
@@ -32,22 +34,16 @@ pub struct Reading {
 }
 
 /// Reads every meter of a scene with `samples` paths each, rounded up to whole batches.
-pub fn read_meters(scene: &Scene, samples: u64, seed: u64) -> Vec<Reading> {
+pub fn read_meters(scene: &Scene, integrator: Integrator, samples: u64, seed: u64) -> Vec<Reading> {
     let sensor = meter_sensor();
-    let plan = Plan::of(scene, &sensor);
-    let tracer = PathTracer::new(scene, &plan);
+    let plan = Plan::of(scene, &sensor, integrator.strategies().for_instruments());
     let one = |(index, meter): (usize, &Meter)| {
-        let position = match meter.kind {
-            MeterKind::Illuminance(point) => point.position + point.normal * point.error,
-            MeterKind::Luminance { position, .. } => position,
+        let eye = match meter.kind {
+            MeterKind::Illuminance(point) => Eye::Irradiance(point),
+            MeterKind::Luminance { position, direction } => Eye::Radiance(Ray::new(position, direction)),
         };
-        read(
-            &tracer.starting_at(position),
-            &plan,
-            &sensor,
-            meter,
-            &Run { samples, seed, index: index as u64 },
-        )
+        let run = Run { samples, seed, index: index as u64 };
+        read(&Tracer::new(scene, &plan, eye), &plan, &sensor, meter, &run)
     };
     scene.meters.iter().enumerate().map(one).collect()
 }
@@ -63,22 +59,20 @@ struct Run {
     index: u64,
 }
 
-fn read(tracer: &PathTracer<'_>, plan: &Plan, sensor: &Sensor, meter: &Meter, run: &Run) -> Reading {
+fn read(tracer: &Tracer<'_>, plan: &Plan, sensor: &Sensor, meter: &Meter, run: &Run) -> Reading {
     let size = run.samples.div_ceil(BATCHES as u64).clamp(1, 1 << 24) as u32;
     let batches: Vec<([f64; 4], u64)> = (0..BATCHES as u32)
         .into_par_iter()
         .map(|batch| {
             let numbers = BlockSampler::new(run.seed, run.index, batch, size);
             let (mut sums, mut non_finite) = ([0.0; 4], 0);
+            let mut paths = Subpaths::default();
             for index in 0..size {
                 let sampler = numbers.sample(index);
                 let wavelengths = plan.wavelengths.sample(sampler.single(Stream::Wavelength, 0));
-                let received = match meter.kind {
-                    MeterKind::Illuminance(point) => tracer.irradiance(point, &wavelengths, &sampler),
-                    MeterKind::Luminance { position, direction } => {
-                        tracer.radiance(Ray::new(position, direction), &wavelengths, &sampler)
-                    }
-                };
+                let position = sampler.pair(Stream::Pixel, 0).map(f64::from);
+                let draw = Draw { position, wavelengths: &wavelengths, sampler: &sampler };
+                let received = tracer.gather(&draw, &mut paths);
                 if received.is_finite() {
                     sensor.record(received, &wavelengths, |channel, value| sums[channel] += value);
                 } else {

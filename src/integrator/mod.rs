@@ -1,17 +1,18 @@
 //! Algorithms that turn a scene into a picture: one list, one door.
 //!
-//! [`Integrator`] is what a user names; [`render`] runs it. Path tracing asks each pixel for
-//! its radiance (`path`); the block loop that feeds the film is `blocks`.
+//! [`Integrator`] is what a user names; [`render`] runs it. All are one sample loop ([`Tracer`])
+//! under different lists of strategies; the block loop that feeds the film is `blocks`.
 
 mod blocks;
 mod measure;
-mod media;
-mod path;
+mod tracer;
 
 pub use blocks::{Budget, Progress, Rendering, Silent};
 pub use measure::{Reading, read_meters};
-pub use path::PathTracer;
+pub use tracer::{Draw, Tracer};
 
+use crate::path::Strategies;
+use crate::path::Eye;
 use crate::scene::{Plan, Scene, View};
 
 /// The algorithms that can be named.
@@ -20,16 +21,22 @@ pub enum Integrator {
     /// Path tracing from the camera with next-event estimation.
     #[default]
     Path,
+    /// Light tracing: paths from the lights that are joined to the camera.
+    Light,
+    /// Bidirectional path tracing: every way to join paths from both ends.
+    Bdpt,
 }
 
 impl Integrator {
     /// Every integrator, in the order they are listed to users.
-    pub const ALL: [Self; 1] = [Self::Path];
+    pub const ALL: [Self; 3] = [Self::Path, Self::Light, Self::Bdpt];
 
     /// The name on the command line and in files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Path => "path",
+            Self::Light => "light",
+            Self::Bdpt => "bdpt",
         }
     }
 
@@ -37,22 +44,25 @@ impl Integrator {
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|i| i.name() == name)
     }
+
+    /// The strategies that it stands for, before a plan leaves out what a scene does not need.
+    pub const fn strategies(self) -> Strategies {
+        match self {
+            Self::Path => Strategies::PATH,
+            Self::Light => Strategies::LIGHT,
+            Self::Bdpt => Strategies::ALL,
+        }
+    }
 }
 
-/// Renders a view of a scene.
+/// Renders a view of a scene under a plan.
 pub fn render(
-    integrator: Integrator,
     scene: &Scene,
     view: &View,
     plan: &Plan,
     budget: &Budget,
     progress: &dyn Progress,
 ) -> Rendering {
-    match integrator {
-        Integrator::Path => {
-            let eye = view.camera.placement().position.as_vec3a();
-            let tracer = PathTracer::new(scene, plan).starting_at(eye);
-            blocks::render(&tracer, view, plan, budget, progress)
-        }
-    }
+    let tracer = Tracer::new(scene, plan, Eye::Camera(&view.camera));
+    blocks::render(&tracer, view, plan, budget, progress)
 }

@@ -1,7 +1,7 @@
 //! Surfaces that shine: the same radiance from every point in every direction.
 
-use super::LightSample;
-use crate::geometry::{Geometry, Hit, Primitive, Ray, SurfacePoint};
+use super::{EmittedRay, LightSample};
+use crate::geometry::{Frame, Geometry, Primitive, SurfacePoint};
 use crate::spectrum::{Dense, Wavelengths};
 use glam::Vec3A;
 
@@ -65,6 +65,7 @@ impl AreaLight {
         let shadow_ray = from.ray_to(&point)?;
         let visible = self.shines(point.normal, -shadow_ray.direction);
         (visible && pdf_solid_angle > 0.0 && pdf_solid_angle.is_finite()).then(|| LightSample {
+            point,
             shadow_ray,
             radiance: self.radiance.at(wavelengths),
             pdf_solid_angle,
@@ -72,16 +73,58 @@ impl AreaLight {
         })
     }
 
-    pub(super) fn pdf_towards(&self, geometry: &Geometry, from: &SurfacePoint, ray: &Ray, hit: &Hit) -> f32 {
-        match geometry.primitive(hit.primitive) {
+    pub(super) fn pdf_towards(
+        &self,
+        geometry: &Geometry,
+        from: &SurfacePoint,
+        point: &SurfacePoint,
+        primitive: u32,
+    ) -> f32 {
+        match geometry.primitive(primitive) {
             Primitive::Sphere(sphere) => {
-                sphere.pdf_solid_angle(from.position, &hit.point) * self.share_of(geometry, hit.primitive)
+                sphere.pdf_solid_angle(from.position, point) * self.share_of(geometry, primitive)
             }
-            _ => {
-                let cosine = hit.point.normal.dot(ray.direction).abs();
-                hit.t * hit.t / (cosine * self.area)
-            }
+            _ => self.pdf_by_area(from, point),
         }
+    }
+
+    /// A point uniform over the area, and a direction in proportion to the cosine from the
+    /// normal on a side that shines.
+    pub(super) fn emit(
+        &self,
+        geometry: &Geometry,
+        u_point: [f32; 2],
+        [u, v]: [f32; 2],
+    ) -> Option<EmittedRay> {
+        let (id, u_point) = self.choose(u_point);
+        let point = geometry.primitive(id).sample_area(u_point);
+        let (side, u) = match (self.two_sided, u < 0.5) {
+            (false, _) => (1.0, u),
+            (true, true) => (1.0, 2.0 * u),
+            (true, false) => (-1.0, 2.0 * u - 1.0),
+        };
+        let frame = Frame::around(point.normal * side);
+        let height = (1.0 - u).sqrt();
+        let (sin, cos) = (std::f32::consts::TAU * v).sin_cos();
+        let across = u.sqrt();
+        let direction = frame.to_world(Vec3A::new(across * cos, across * sin, height)).normalize();
+        let share = point.normal.dot(direction).abs();
+        (share > 0.0).then(|| EmittedRay { point, primitive: Some(id), ray: point.ray_along(direction), share })
+    }
+
+    /// Density of the direction of `emit` in sr^-1.
+    pub(super) fn pdf_emission(&self, normal: Vec3A, direction: Vec3A) -> f64 {
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        if self.shines(normal, direction) {
+            f64::from(normal.dot(direction).abs()) / (sides * std::f64::consts::PI)
+        } else {
+            0.0
+        }
+    }
+
+    /// Density of the point of `emit` per square scene unit.
+    pub(super) fn pdf_area(&self) -> f64 {
+        1.0 / f64::from(self.area)
     }
 
     /// Probability of choosing a primitive: its share of the area.

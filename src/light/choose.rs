@@ -2,6 +2,7 @@
 //! all alike, since a weak lamp may be the only one that is not hidden.
 
 use super::Light;
+use glam::Vec3A;
 
 /// All lights of a scene, and the probability of asking each.
 #[derive(Clone, Debug, Default)]
@@ -47,21 +48,33 @@ impl Lights {
         self.lights.is_empty()
     }
 
-    /// Picks a light by a number in [0, 1); with it the probability of that choice. `None`
-    /// where nothing shines.
+    /// Picks a light by power with a number in [0, 1): its index and the probability of that
+    /// choice. `None` where nothing shines.
     #[inline]
-    pub fn choose(&self, u: f64) -> Option<(&Light, f32)> {
+    pub fn choose_emitting(&self, u: f64) -> Option<(u32, f64)> {
         let index = self.upto.partition_point(|upto| *upto <= u);
-        let index = index.min(self.lights.len().checked_sub(1)?);
-        let probability = self.probability(index as u32);
-        (probability > 0.0).then(|| (&self.lights[index], probability))
+        let index = index.min(self.lights.len().checked_sub(1)?) as u32;
+        let probability = self.probability_emitting(index);
+        (probability > 0.0).then_some((index, probability))
     }
 
-    /// Probability that `choose` picks the light of an index.
+    /// Probability that `choose_emitting` picks the light of an index.
     #[inline]
-    pub fn probability(&self, index: u32) -> f32 {
+    pub fn probability_emitting(&self, index: u32) -> f64 {
         let index = index as usize;
         let before = if index == 0 { 0.0 } else { self.upto[index - 1] };
-        (self.upto[index] - before) as f32
+        self.upto[index] - before
+    }
+
+    /// Picks a light for a position that it may light.
+    #[inline]
+    pub fn choose_towards(&self, _from: Vec3A, u: f64) -> Option<(u32, f64)> {
+        self.choose_emitting(u)
+    }
+
+    /// Probability that `choose_towards` picks the light of an index.
+    #[inline]
+    pub fn probability_towards(&self, _from: Vec3A, index: u32) -> f64 {
+        self.probability_emitting(index)
     }
 }

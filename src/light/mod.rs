@@ -2,7 +2,9 @@
 //!
 //! A [`Light`] answers two questions about a point that it may light: draw a direction
 //! towards you ([`Light::sample_towards`]), and with what density would you have drawn this
-//! direction ([`Light::pdf_towards`]). Both are per solid angle at the lit point.
+//! direction ([`Light::pdf_towards`]); both are per solid angle at the lit point. It answers
+//! the same two about light that leaves it: [`Light::emit`] draws a ray, [`Light::pdf_area`]
+//! and [`Light::pdf_emission`] are the densities of its start and of its direction.
 //! Levels are resolved in [`power`], once, when the scene is built.
 
 mod area;
@@ -15,8 +17,9 @@ pub use choose::Lights;
 pub use point::{Distribution, PointLight};
 pub use power::EmitterFacts;
 
-use crate::geometry::{Geometry, Hit, Ray, SurfacePoint};
+use crate::geometry::{Geometry, Ray, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
+use glam::Vec3A;
 
 /// A source of light.
 #[derive(Clone, Debug)]
@@ -30,6 +33,8 @@ pub enum Light {
 /// A direction in which a light may be seen.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
+    /// The point of the light.
+    pub point: SurfacePoint,
     /// The stretch between the lit point and the light, to be tested for obstacles; its
     /// direction points to the light.
     pub shadow_ray: Ray,
@@ -40,6 +45,20 @@ pub struct LightSample {
     pub pdf_solid_angle: f32,
     /// Whether this is the only direction in which the light can be seen.
     pub is_delta: bool,
+}
+
+/// A ray on its way out of a light.
+#[derive(Clone, Copy, Debug)]
+pub struct EmittedRay {
+    /// Where it starts; a point light has no normal.
+    pub point: SurfacePoint,
+    /// Primitive in the geometry that it starts from; `None` for a point light.
+    pub primitive: Option<u32>,
+    /// The ray.
+    pub ray: Ray,
+    /// What goes this way, relative to [`Light::emission`]: the cosine from the normal, or
+    /// the intensity relative to the largest.
+    pub share: f32,
 }
 
 impl Light {
@@ -58,13 +77,61 @@ impl Light {
         }
     }
 
-    /// Density in sr^-1 with which `sample_towards` draws the direction from `from` that
-    /// meets the light at `hit`; zero for lights that no ray can meet.
+    /// Density in sr^-1 with which `sample_towards` draws the direction from `from` to a point
+    /// of one of the light's primitives; zero for lights that no ray can meet.
     #[inline]
-    pub fn pdf_towards(&self, geometry: &Geometry, from: &SurfacePoint, ray: &Ray, hit: &Hit) -> f32 {
+    pub fn pdf_towards(
+        &self,
+        geometry: &Geometry,
+        from: &SurfacePoint,
+        point: &SurfacePoint,
+        primitive: u32,
+    ) -> f32 {
         match self {
             Self::Point(_) => 0.0,
-            Self::Area(light) => light.pdf_towards(geometry, from, ray, hit),
+            Self::Area(light) => light.pdf_towards(geometry, from, point, primitive),
         }
+    }
+
+    /// Draws a ray of light; `None` for one that carries nothing.
+    #[inline]
+    pub fn emit(&self, geometry: &Geometry, u_point: [f32; 2], u_direction: [f32; 2]) -> Option<EmittedRay> {
+        match self {
+            Self::Point(light) => Some(light.emit(u_direction)),
+            Self::Area(light) => light.emit(geometry, u_point, u_direction),
+        }
+    }
+
+    /// Density with which `emit` draws each point, per square scene unit; 1 for a point light.
+    #[inline]
+    pub fn pdf_area(&self) -> f64 {
+        match self {
+            Self::Point(_) => 1.0,
+            Self::Area(light) => light.pdf_area(),
+        }
+    }
+
+    /// Density in sr^-1 with which `emit` draws a direction from a point with this normal.
+    #[inline]
+    pub fn pdf_emission(&self, normal: Vec3A, direction: Vec3A) -> f64 {
+        match self {
+            Self::Point(light) => light.pdf_emission(direction),
+            Self::Area(light) => light.pdf_emission(normal, direction),
+        }
+    }
+
+    /// Radiance in W sr^-1 m^-2 nm^-1 of the sides that shine, or the largest intensity of a
+    /// point light (over square metres per square scene unit).
+    #[inline]
+    pub fn emission(&self, wavelengths: &Wavelengths) -> Spectrum {
+        match self {
+            Self::Point(light) => light.intensity.at(wavelengths),
+            Self::Area(light) => light.radiance().at(wavelengths),
+        }
+    }
+
+    /// Whether the light has a surface that rays can meet.
+    pub const fn has_surface(&self) -> bool {
+        matches!(self, Self::Area(_))
     }
 }

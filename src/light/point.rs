@@ -1,9 +1,10 @@
 //! Light from a single point.
 
-use super::LightSample;
+use super::{EmittedRay, LightSample};
 use crate::geometry::SurfacePoint;
 use crate::spectrum::{Dense, Wavelengths};
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
+use std::f64::consts::{PI, TAU};
 
 /// How intensity depends on direction, relative to its largest value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,16 +19,29 @@ impl Distribution {
     /// Flux over largest intensity, in sr.
     pub const fn solid_angle_sr(&self) -> f64 {
         match self {
-            Self::Isotropic => 4.0 * std::f64::consts::PI,
-            Self::Cosine(_) => std::f64::consts::PI,
+            Self::Isotropic => 4.0 * PI,
+            Self::Cosine(_) => PI,
         }
     }
 
-    fn towards(&self, direction: Vec3A) -> f32 {
+    /// Intensity in a direction relative to the largest.
+    pub fn towards(&self, direction: Vec3A) -> f32 {
         match self {
             Self::Isotropic => 1.0,
             Self::Cosine(axis) => axis.dot(direction).max(0.0),
         }
+    }
+
+    /// A direction with density in proportion to the intensity, from two numbers in [0, 1).
+    fn sample(&self, [u, v]: [f32; 2]) -> Vec3A {
+        let (axis, height) = match self {
+            Self::Isotropic => (DVec3::Z, 1.0 - 2.0 * f64::from(u)),
+            Self::Cosine(axis) => (axis.as_dvec3(), (1.0 - f64::from(u)).sqrt()),
+        };
+        let across = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
+        let (tangent, bitangent) = axis.any_orthonormal_pair();
+        let (sin, cos) = (TAU * f64::from(v)).sin_cos();
+        (axis * height + (tangent * cos + bitangent * sin) * across).normalize().as_vec3a()
     }
 }
 
@@ -44,6 +58,11 @@ pub struct PointLight {
 }
 
 impl PointLight {
+    /// The position as a point that rays leave; without extent, error or normal.
+    pub(super) const fn point(&self) -> SurfacePoint {
+        SurfacePoint { position: self.position, error: Vec3A::ZERO, normal: Vec3A::ZERO }
+    }
+
     pub(super) fn sample_towards(
         &self,
         from: &SurfacePoint,
@@ -53,10 +72,23 @@ impl PointLight {
         let span = self.position - from.position;
         let share = self.distribution.towards(-shadow_ray.direction);
         (share > 0.0).then(|| LightSample {
+            point: self.point(),
             shadow_ray,
             radiance: self.intensity.at(wavelengths) * (share / span.length_squared()),
             pdf_solid_angle: 1.0,
             is_delta: true,
         })
+    }
+
+    pub(super) fn emit(&self, u_direction: [f32; 2]) -> EmittedRay {
+        let direction = self.distribution.sample(u_direction);
+        let point = self.point();
+        let share = self.distribution.towards(direction);
+        EmittedRay { point, primitive: None, ray: point.ray_along(direction), share }
+    }
+
+    /// Density of `emit` in sr^-1.
+    pub(super) fn pdf_emission(&self, direction: Vec3A) -> f64 {
+        f64::from(self.distribution.towards(direction)) / self.distribution.solid_angle_sr()
     }
 }

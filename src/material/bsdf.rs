@@ -17,6 +17,16 @@ pub enum Quantity {
     Importance,
 }
 
+impl Quantity {
+    /// What a path from the other end carries.
+    pub const fn opposite(self) -> Self {
+        match self {
+            Self::Radiance => Self::Importance,
+            Self::Importance => Self::Radiance,
+        }
+    }
+}
+
 /// What a model says about one pair of directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfValue {
@@ -152,13 +162,24 @@ impl Bsdf {
     /// The n^2 factor that radiance took on by crossing to the side of `wi`, at the hero; 1
     /// where nothing crosses.
     pub fn radiance_scale(&self, wi: Vec3A) -> f32 {
+        self.index_squared(-wi) / self.index_squared(wi)
+    }
+
+    /// n^2 |cos| of a direction at the hero: with it the coefficients of a delta seen from
+    /// either side belong to the same measure (see [`crate::measure`]).
+    pub fn delta_measure(&self, w: Vec3A) -> f32 {
+        self.index_squared(w) * w.z.abs()
+    }
+
+    /// Square of the hero's index on the side of a direction relative to the outside.
+    fn index_squared(&self, w: Vec3A) -> f32 {
         let interface = match self {
             Self::SmoothDielectric(model) => model.interface,
             Self::RoughDielectric(model) => model.interface,
             _ => return 1.0,
         };
         let eta = 1.0 + interface.excess().hero();
-        if wi.z < 0.0 { 1.0 / (eta * eta) } else { eta * eta }
+        if w.z < 0.0 { eta * eta } else { 1.0 }
     }
 
     /// Whether light crosses to the other side.

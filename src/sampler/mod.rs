@@ -33,10 +33,26 @@ pub enum Stream {
     Lobe,
     /// Whether a path goes on at all.
     Roulette,
+    /// Which light a subpath starts from.
+    EmissionChoice,
+    /// Where on that light.
+    EmissionPoint,
+    /// Direction in which light leaves it.
+    EmissionDirection,
+    /// As `Direction`, for subpaths from a light.
+    LightDirection,
+    /// As `Lobe`, for subpaths from a light.
+    LightLobe,
+    /// As `Roulette`, for subpaths from a light.
+    LightRoulette,
+    /// Position on the lens that light is joined to.
+    Splat,
+    /// Whether an obstacle is looked for between two vertices.
+    Visibility,
 }
 
 /// Streams per bounce in the numbering of dimensions.
-const STREAMS: u32 = 8;
+const STREAMS: u32 = 16;
 
 /// The random numbers of one sample.
 #[derive(Clone, Copy, Debug)]

@@ -4,6 +4,7 @@ use super::Scene;
 use crate::camera::Sensor;
 use crate::light::Light;
 use crate::material::Material;
+use crate::path::Strategies;
 use crate::spectrum::{GRID_POINTS, WavelengthSampler};
 
 /// How a scene is to be rendered.
@@ -11,6 +12,10 @@ use crate::spectrum::{GRID_POINTS, WavelengthSampler};
 pub struct Plan {
     /// Density of the wavelengths that paths carry.
     pub wavelengths: WavelengthSampler,
+    /// The strategies that are used.
+    pub strategies: Strategies,
+    /// Whether the densities of a path differ between its wavelengths.
+    pub lanes_differ: bool,
     /// Whether any medium absorbs, so that paths must know what they travel through.
     pub tracks_media: bool,
     /// The decisions in plain words, each with its reason.
@@ -18,8 +23,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan for a scene as a sensor sees it.
-    pub fn of(scene: &Scene, sensor: &Sensor) -> Self {
+    /// The plan for a scene as a sensor sees it, with strategies to choose from.
+    pub fn of(scene: &Scene, sensor: &Sensor, strategies: Strategies) -> Self {
         let mut reasons = Vec::new();
         let wavelengths = wavelengths(scene, sensor, &mut reasons);
         let tracks_media = scene.materials.iter().any(|m| m.absorption().is_some());
@@ -44,7 +49,8 @@ impl Plan {
         if scene.emitters.iter().all(|emitter| emitter.weight() == 0.0) {
             reasons.push("nothing shines: the picture is black".into());
         }
-        Self { wavelengths, tracks_media, reasons }
+        let lanes_differ = scene.materials.iter().any(Material::disperses);
+        Self { wavelengths, strategies, lanes_differ, tracks_media, reasons }
     }
 }
 

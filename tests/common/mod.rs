@@ -1,7 +1,7 @@
 //! What the tests share: scenes from text, readings, and the judgement of a statistical one.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
-use etalon::integrator::{Reading, read_meters};
+use etalon::integrator::{Integrator, Reading, read_meters};
 use etalon::scene::Scene;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -23,9 +23,14 @@ pub fn metered(materials: Value, objects: Value, lights: Value, meters: Value) -
     }))
 }
 
-/// The reading of a scene's only meter.
+/// The reading of a scene's only meter, by path tracing.
 pub fn read_one(scene: &Scene, samples: u64) -> Reading {
-    let mut readings = read_meters(scene, samples, 1);
+    read_with(scene, Integrator::Path, samples)
+}
+
+/// The reading of a scene's only meter.
+pub fn read_with(scene: &Scene, integrator: Integrator, samples: u64) -> Reading {
+    let mut readings = read_meters(scene, integrator, samples, 1);
     assert_eq!(readings.len(), 1);
     readings.remove(0)
 }

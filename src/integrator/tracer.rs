@@ -1,0 +1,183 @@
+//! One sample of light transport: both subpaths, and every strategy of the plan.
+//!
+//! Path tracing, light tracing and bidirectional path tracing are this loop with three lists
+//! of strategies; what a list does not need is not walked.
+
+use crate::path::{Contribution, Density, Eye, Joiner, Lanes, Media, Subpaths, Vertex, Walker};
+use crate::sampler::{Sampler, Stream};
+use crate::scene::{Plan, Scene};
+use crate::spectrum::{Spectrum, Wavelengths};
+use std::marker::PhantomData;
+
+/// Estimates what an eye records of a scene.
+#[derive(Clone, Copy)]
+pub struct Tracer<'a> {
+    scene: &'a Scene,
+    plan: &'a Plan,
+    eye: Eye<'a>,
+    /// What the eye is in.
+    media: Media<'a>,
+}
+
+/// What decides a sample.
+#[derive(Clone, Copy)]
+pub struct Draw<'d> {
+    /// Position in the picture, in pixels from the top left corner; in the unit square for an
+    /// instrument.
+    pub position: [f64; 2],
+    /// The wavelengths that the paths carry.
+    pub wavelengths: &'d Wavelengths,
+    /// The random numbers.
+    pub sampler: &'d Sampler,
+}
+
+impl<'a> Tracer<'a> {
+    /// A tracer for an eye in a scene under its plan.
+    pub fn new(scene: &'a Scene, plan: &'a Plan, eye: Eye<'a>) -> Self {
+        let start = match eye {
+            Eye::Camera(camera) => camera.placement().position.as_vec3a(),
+            Eye::Irradiance(point) => point.position + point.normal * point.error,
+            Eye::Radiance(ray) => ray.origin,
+        };
+        let media = if plan.tracks_media { Media::around(scene, start) } else { Media::NONE };
+        Self { scene, plan, eye, media }
+    }
+
+    /// Hands every contribution of one sample to `put`: radiance in W sr^-1 m^-2 nm^-1 at each
+    /// wavelength (irradiance in W m^-2 nm^-1 for an irradiance meter), whose mean over lanes
+    /// and samples is the truth.
+    pub fn trace(&self, draw: &Draw<'_>, paths: &mut Subpaths<'a>, put: &mut impl FnMut(&Contribution)) {
+        if self.plan.lanes_differ {
+            self.trace_with::<Lanes>(draw, paths, put);
+        } else {
+            self.trace_with::<f64>(draw, paths, put);
+        }
+    }
+
+    /// What the sample adds where it was drawn; contributions elsewhere in the picture are
+    /// left out.
+    pub fn gather(&self, draw: &Draw<'_>, paths: &mut Subpaths<'a>) -> Spectrum {
+        let mut sum = Spectrum::ZERO;
+        self.trace(draw, paths, &mut |contribution| {
+            if contribution.position.is_none() || matches!(self.eye, Eye::Irradiance(_)) {
+                sum += contribution.estimate * contribution.weight;
+            }
+        });
+        sum
+    }
+
+    fn trace_with<D: Density>(
+        &self,
+        draw: &Draw<'_>,
+        paths: &mut Subpaths<'a>,
+        put: &mut impl FnMut(&Contribution),
+    ) {
+        let walker = Walker {
+            scene: self.scene,
+            plan: self.plan,
+            wavelengths: draw.wavelengths,
+            sampler: draw.sampler,
+        };
+        let joiner =
+            Joiner { walker, eye: &self.eye, eye_media: self.media, densities: PhantomData::<D> };
+        let strategies = &self.plan.strategies;
+        paths.clear();
+        if strategies.follows_light() {
+            walk_from_light(&joiner, paths, put);
+        }
+        if strategies.follows_eye() {
+            self.walk_from_eye(&joiner, draw, paths, put);
+        }
+        if strategies.light_to_eye {
+            joiner.light_to_eye(put);
+        }
+        if strategies.asks_eye {
+            for s in 2..=paths.light.len() {
+                if !is_mirror(&paths.light[s - 1]) {
+                    joiner.ask_eye(paths, s, put);
+                }
+            }
+        }
+    }
+
+    fn walk_from_eye<D: Density>(
+        &self,
+        joiner: &Joiner<'a, '_, D>,
+        draw: &Draw<'_>,
+        paths: &mut Subpaths<'a>,
+        put: &mut impl FnMut(&Contribution),
+    ) {
+        let walker = &joiner.walker;
+        let strategies = &self.plan.strategies;
+        let aperture = self.eye.has_aperture();
+        let u_lens = if aperture { draw.sampler.pair(Stream::Lens, 0) } else { [0.0; 2] };
+        let drawn = self.eye.ray(draw.position, u_lens);
+        let (start, mut heading) = walker.from_eye(&self.eye, &drawn, self.media);
+        paths.eye.push(start);
+        loop {
+            let from = paths.eye.last().expect("the eye is there");
+            let Some(vertex) = walker.arrive(from, &mut heading) else { break };
+            paths.eye.push(vertex);
+            if strategies.meets_lights {
+                joiner.met_light(paths, put);
+            }
+            if !is_mirror(&vertex) {
+                if strategies.asks_lights {
+                    joiner.ask_light(paths, put);
+                }
+                for s in 2..=if strategies.joins { paths.light.len() } else { 0 } {
+                    if strategies.plans(s, paths.eye.len()) && !is_mirror(&paths.light[s - 1]) {
+                        joiner.join(paths, s, put);
+                    }
+                }
+            }
+            if !walker.leave(&mut paths.eye, &mut heading) {
+                break;
+            }
+        }
+    }
+}
+
+fn walk_from_light<'a, D: Density>(
+    joiner: &Joiner<'a, '_, D>,
+    paths: &mut Subpaths<'a>,
+    put: &mut impl FnMut(&Contribution),
+) {
+    let walker = &joiner.walker;
+    let sampler = walker.sampler;
+    let lights = &walker.scene.lights;
+    let Some((index, probability)) = lights.choose_emitting(sampler.fine(Stream::EmissionChoice, 0)) else {
+        return;
+    };
+    let light = lights.get(index);
+    let [u_point, u_direction] =
+        [Stream::EmissionPoint, Stream::EmissionDirection].map(|stream| sampler.pair(stream, 0));
+    let Some(emitted) = light.emit(&walker.scene.geometry, u_point, u_direction) else { return };
+    let (start, mut heading) = walker.from_light(index, probability, &emitted);
+    paths.emitted = light.emission(walker.wavelengths);
+    paths.light.push(start);
+    loop {
+        let from = paths.light.last().expect("the light is there");
+        let before = heading;
+        let met = if walker.plan.strategies.meets_eye { joiner.eye.meet(&before.ray) } else { None };
+        let vertex = walker.arrive(from, &mut heading);
+        if let Some((point, distance)) = met
+            && vertex.is_none_or(|v| (v.point.position - before.ray.origin).length() > distance)
+        {
+            joiner.met_eye(paths, &before, point, distance, put);
+        }
+        let Some(vertex) = vertex else { break };
+        if paths.light.len() == 1 {
+            paths.asked = joiner.asked_by(&start, &vertex);
+        }
+        paths.light.push(vertex);
+        if !walker.leave(&mut paths.light, &mut heading) {
+            break;
+        }
+    }
+}
+
+/// Whether nothing can be joined to a vertex.
+fn is_mirror(vertex: &Vertex<'_>) -> bool {
+    vertex.surface().is_some_and(|surface| surface.bsdf.is_delta())
+}

@@ -1,0 +1,21 @@
+//! Light paths: the one representation that all integrators share.
+//!
+//! A complete path's vertices are numbered from the light. It is made of two subpaths by a
+//! strategy ([`Strategies`]); each vertex ([`Vertex`]) keeps the density with which either end
+//! reaches it, per area, so that strategies are weighed in one place (`weights`).
+
+mod connect;
+mod eye;
+mod media;
+mod strategies;
+mod vertex;
+mod walk;
+mod weights;
+
+pub use connect::{Contribution, Joiner, Subpaths};
+pub use eye::{Eye, EyeRay, Sight};
+pub use media::Media;
+pub use strategies::Strategies;
+pub use vertex::{Kind, Surface, Vertex};
+pub use walk::{Heading, Walker};
+pub use weights::{Density, Judged, Known, Lanes, Made};

@@ -1,0 +1,171 @@
+//! A vertex of a subpath: one type for both directions.
+
+use super::media::Media;
+use crate::geometry::{Frame, Hit, SurfacePoint};
+use crate::material::{Bsdf, BsdfValue, Quantity};
+use crate::measure::{AreaPdf, solid_angle_per_area};
+use crate::scene::Scene;
+use crate::spectrum::{Dense, Spectrum, Wavelengths};
+use glam::Vec3A;
+
+/// A vertex of a subpath.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex<'a> {
+    /// Where it is.
+    pub point: SurfacePoint,
+    /// What is there.
+    pub kind: Kind<'a>,
+    /// Unit direction to the vertex before it in its own subpath; none at an end.
+    pub to_previous: Vec3A,
+    /// What the subpath has multiplied up before this vertex scatters: scattering and
+    /// geometry over the hero's density. Light emitted is kept apart.
+    pub throughput: Spectrum,
+    /// Density of the subpath up to here under each lane, relative to the hero's.
+    pub lanes: Spectrum,
+    /// Density with which its own subpath reaches the vertex.
+    pub forward: AreaPdf,
+    /// Density with which a subpath from the other end would reach it, coming along this
+    /// path; known once the subpath has gone on by two vertices.
+    pub reverse: AreaPdf,
+    /// What the subpath travelled through to get here.
+    pub media: Media<'a>,
+    /// Whether the subpath went on from here by a Dirac delta: no strategy can join here.
+    pub is_delta: bool,
+}
+
+/// What a vertex is.
+#[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "nearly all vertices are surfaces")]
+pub enum Kind<'a> {
+    /// The eye; whether it has an area that light can meet.
+    Eye {
+        /// Whether it has.
+        has_area: bool,
+    },
+    /// A point of a light.
+    Light {
+        /// Index in the scene's lights.
+        light: u32,
+        /// Primitive in the geometry; `None` for a point light, which no ray can meet.
+        primitive: Option<u32>,
+    },
+    /// A surface.
+    Surface(Surface<'a>),
+}
+
+/// A place where light is scattered.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<'a> {
+    /// Frame in which the material works.
+    pub shading: Frame,
+    /// The material at the wavelengths of the path.
+    pub bsdf: Bsdf,
+    /// Object in the scene.
+    pub object: u32,
+    /// Primitive in the geometry.
+    pub primitive: u32,
+    /// Light in the scene, where the object shines.
+    pub light: Option<u32>,
+    /// What absorbs within the object.
+    pub absorption: Option<&'a Dense>,
+}
+
+impl<'a> Surface<'a> {
+    pub(super) fn of(scene: &'a Scene, hit: &Hit, wavelengths: &Wavelengths) -> Self {
+        let object = &scene.objects[hit.object as usize];
+        let material = &scene.materials[object.material as usize];
+        Self {
+            shading: hit.shading,
+            bsdf: material.at(wavelengths),
+            object: hit.object,
+            primitive: hit.primitive,
+            light: object.light,
+            absorption: material.absorption(),
+        }
+    }
+}
+
+impl<'a> Vertex<'a> {
+    /// The surface, unless the vertex is an end.
+    #[inline]
+    pub const fn surface(&self) -> Option<&Surface<'a>> {
+        match &self.kind {
+            Kind::Surface(surface) => Some(surface),
+            Kind::Eye { .. } | Kind::Light { .. } => None,
+        }
+    }
+
+    /// Solid angle at another position over area here; zero for what no direction meets.
+    #[inline]
+    pub fn solid_angle_per_area_from(&self, position: Vec3A) -> f64 {
+        match self.kind {
+            Kind::Surface(_) | Kind::Eye { has_area: true } | Kind::Light { primitive: Some(_), .. } => {
+                solid_angle_per_area(position, self.point.position, self.point.normal)
+            }
+            Kind::Eye { .. } | Kind::Light { .. } => 0.0,
+        }
+    }
+
+    /// Whether both directions lie on the sides of the true surface that the shading frame
+    /// says they do; light does not leak through where the two normals disagree.
+    #[inline]
+    pub(super) fn sides_agree(&self, surface: &Surface<'_>, direction: Vec3A) -> bool {
+        let (true_normal, shading_normal) = (self.point.normal, surface.shading.normal);
+        let agrees = |w: Vec3A| true_normal.dot(w) * shading_normal.dot(w) > 0.0;
+        agrees(self.to_previous) && agrees(direction)
+    }
+
+    /// Scattering from the previous vertex into a direction: value (with the cosine at this
+    /// vertex towards `direction`) and density; nothing for ends and deltas.
+    #[inline]
+    pub fn scatter(&self, direction: Vec3A, quantity: Quantity) -> BsdfValue {
+        let Some(surface) = self.surface() else { return BsdfValue::ZERO };
+        if !self.sides_agree(surface, direction) {
+            return BsdfValue::ZERO;
+        }
+        let wo = surface.shading.to_local(self.to_previous);
+        let wi = surface.shading.to_local(direction);
+        let mut scattered = surface.bsdf.evaluate(wo, wi, quantity);
+        if quantity == Quantity::Importance {
+            scattered.value *= self.adjoint_factor(surface, direction);
+        }
+        scattered
+    }
+
+    /// Density in sr^-1 with which a subpath that arrives from `direction` would go on to the
+    /// previous vertex; `quantity` is what this vertex's own subpath carries.
+    #[inline]
+    pub fn reverse_pdf(&self, direction: Vec3A, quantity: Quantity) -> Spectrum {
+        let Some(surface) = self.surface() else { return Spectrum::ZERO };
+        let wo = surface.shading.to_local(direction);
+        let wi = surface.shading.to_local(self.to_previous);
+        surface.bsdf.pdf(wo, wi, quantity.opposite())
+    }
+
+    /// What carrying power over a surface with shading normals differs by from gathering
+    /// radiance over it (Veach 1997, equation 5.19): cosines with the true normal for those
+    /// with the shading normal. One where the two normals are the same.
+    #[inline]
+    pub(super) fn adjoint_factor(&self, surface: &Surface<'_>, direction: Vec3A) -> f32 {
+        let (true_normal, shading_normal) = (self.point.normal, surface.shading.normal);
+        if true_normal == shading_normal {
+            return 1.0;
+        }
+        let ratio = |w: Vec3A| (shading_normal.dot(w) / true_normal.dot(w)).abs();
+        ratio(self.to_previous) / ratio(direction)
+    }
+
+    /// What light travels through on the way in a direction, given what the subpath came
+    /// through.
+    #[inline]
+    pub(super) fn media_towards(&self, direction: Vec3A) -> Media<'a> {
+        let mut media = self.media;
+        if let Some(surface) = self.surface() {
+            let (towards, from) = (self.point.normal.dot(direction), self.point.normal.dot(self.to_previous));
+            if towards * from < 0.0 && surface.bsdf.transmits() {
+                media.cross(surface.object, surface.absorption, towards < 0.0);
+            }
+        }
+        media
+    }
+}

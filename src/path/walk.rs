@@ -1,0 +1,246 @@
+//! The random walk that makes a subpath: one for both directions.
+//!
+//! A walk carries all its wavelengths at once. Directions are drawn by the hero wavelength
+//! (lane 0); the other lanes would have drawn them with other densities, and each vertex keeps
+//! the density of all lanes. Where a lane cannot follow (smooth refraction with dispersion)
+//! its density is zero from there on.
+
+use super::eye::{Eye, EyeRay};
+use super::media::Media;
+use super::vertex::{Kind, Surface, Vertex};
+use crate::geometry::{Ray, SurfacePoint};
+use crate::light::EmittedRay;
+use crate::material::{BsdfSample, Quantity};
+use crate::measure::AreaPdf;
+use crate::sampler::{Sampler, Stream};
+use crate::scene::{Plan, Scene};
+use crate::spectrum::{Dense, Spectrum, Wavelengths};
+use glam::Vec3A;
+
+/// Bounces before a subpath from the eye may be ended at random.
+const SURE_BOUNCES: u32 = 3;
+/// Bounces after which light counts as trapped, as by total reflection in clear glass.
+const TRAPPED_BOUNCES: u32 = 1000;
+/// Probability that trapped light is followed on, however much it carries: paths end, and the
+/// variance stays finite wherever a bounce keeps less than 99.95 %.
+const TRAPPED_SURVIVAL: f32 = 0.999;
+
+/// What a walk happens in.
+#[derive(Clone, Copy)]
+pub struct Walker<'a, 'd> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What it needs.
+    pub plan: &'a Plan,
+    /// The wavelengths of the path.
+    pub wavelengths: &'d Wavelengths,
+    /// The random numbers of the path.
+    pub sampler: &'d Sampler,
+}
+
+/// A subpath on its way from its last vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Heading<'a> {
+    /// Where it goes.
+    pub ray: Ray,
+    /// What it carries: [`Quantity::Radiance`] from the eye, [`Quantity::Importance`] from a
+    /// light.
+    pub quantity: Quantity,
+    /// Scattering and geometry over the hero's density, with the last direction drawn.
+    pub throughput: Spectrum,
+    /// Density under each lane relative to the hero's, with the last direction drawn.
+    pub lanes: Spectrum,
+    /// Density of the last direction in sr^-1, or the coefficient of its delta.
+    pub pdf: Spectrum,
+    /// What brings a delta's coefficient to its measure; 1 for a density.
+    pub delta_measure: f64,
+    /// What the ray travels through.
+    pub media: Media<'a>,
+    /// Surfaces met so far.
+    pub bounce: u32,
+    /// What the throughput would be if no light had been lost: where the walk began, times the
+    /// n^2 factors since then.
+    lossless: f32,
+}
+
+impl<'a> Heading<'a> {
+    fn new(ray: Ray, quantity: Quantity, throughput: f32, pdf_solid_angle: f64, media: Media<'a>) -> Self {
+        Self {
+            ray,
+            quantity,
+            throughput: Spectrum::splat(throughput),
+            lanes: Spectrum::ONE,
+            pdf: Spectrum::splat(pdf_solid_angle as f32),
+            delta_measure: 1.0,
+            media,
+            bounce: 0,
+            lossless: throughput,
+        }
+    }
+
+    /// Density per area with which the ray reaches a vertex.
+    #[inline]
+    pub fn pdf_area(&self, from: &Vertex<'_>, to: &Vertex<'_>) -> AreaPdf {
+        let per_area = to.solid_angle_per_area_from(from.point.position);
+        AreaPdf::of_direction(self.pdf, per_area * self.delta_measure)
+    }
+}
+
+impl<'a> Walker<'a, '_> {
+    /// A point of the eye as a vertex.
+    pub fn eye_vertex(&self, eye: &Eye<'_>, point: SurfacePoint, media: Media<'a>) -> Vertex<'a> {
+        let kind = Kind::Eye { has_area: eye.has_aperture() };
+        end(kind, point, AreaPdf::of_all_lanes(eye.pdf_area()), !eye.is_open(), media)
+    }
+
+    /// Begins a subpath at the eye: its first vertex, and where it goes.
+    pub fn from_eye(
+        &self,
+        eye: &Eye<'_>,
+        drawn: &EyeRay,
+        media: Media<'a>,
+    ) -> (Vertex<'a>, Heading<'a>) {
+        let vertex = self.eye_vertex(eye, drawn.point, media);
+        let heading =
+            Heading::new(drawn.ray, Quantity::Radiance, eye.response(), drawn.pdf_solid_angle, media);
+        (vertex, heading)
+    }
+
+    /// Begins a subpath at a light that was chosen with a probability.
+    pub fn from_light(&self, light: u32, probability: f64, emitted: &EmittedRay) -> (Vertex<'a>, Heading<'a>) {
+        let media = if self.plan.tracks_media {
+            Media::around(self.scene, emitted.ray.origin)
+        } else {
+            Media::NONE
+        };
+        let lamp = self.scene.lights.get(light);
+        let pdf_area = probability * lamp.pdf_area();
+        let pdf_solid_angle = lamp.pdf_emission(emitted.point.normal, emitted.ray.direction);
+        let kind = Kind::Light { light, primitive: emitted.primitive };
+        let mut vertex = end(kind, emitted.point, AreaPdf::of_all_lanes(pdf_area), false, media);
+        vertex.throughput = Spectrum::splat((1.0 / pdf_area) as f32);
+        let throughput = f64::from(emitted.share) / (pdf_area * pdf_solid_angle);
+        let heading =
+            Heading::new(emitted.ray, Quantity::Importance, throughput as f32, pdf_solid_angle, media);
+        (vertex, heading)
+    }
+
+    /// Follows the ray to the vertex that it meets; `None` where it leaves the scene.
+    #[inline]
+    pub fn arrive(&self, from: &Vertex<'_>, heading: &mut Heading<'a>) -> Option<Vertex<'a>> {
+        let hit = self.scene.geometry.intersect(&heading.ray)?;
+        if let Some(absorption) = heading.media.absorption() {
+            heading.throughput *= transmittance(absorption, hit.t, self.wavelengths);
+        }
+        let mut vertex = Vertex {
+            point: hit.point,
+            kind: Kind::Surface(Surface::of(self.scene, &hit, self.wavelengths)),
+            to_previous: -heading.ray.direction,
+            throughput: heading.throughput,
+            lanes: heading.lanes,
+            forward: AreaPdf::ZERO,
+            reverse: AreaPdf::ZERO,
+            media: heading.media,
+            is_delta: false,
+        };
+        vertex.forward = heading.pdf_area(from, &vertex);
+        Some(vertex)
+    }
+
+    /// Draws where the subpath goes on from its last vertex, and completes what the last two
+    /// vertices know; false where it ends.
+    #[inline]
+    pub fn leave(&self, subpath: &mut [Vertex<'a>], heading: &mut Heading<'a>) -> bool {
+        let (last, before) = subpath.split_last_mut().expect("a walk has come from somewhere");
+        let Some(surface) = last.surface() else { return false };
+        let (direction, lobe) = match heading.quantity {
+            Quantity::Radiance => (Stream::Direction, Stream::Lobe),
+            Quantity::Importance => (Stream::LightDirection, Stream::LightLobe),
+        };
+        let u = self.sampler.pair(direction, heading.bounce);
+        let u_lobe =
+            if surface.bsdf.transmits() { self.sampler.single(lobe, heading.bounce) } else { 0.0 };
+        let wo = surface.shading.to_local(last.to_previous);
+        let Some(drawn) = surface.bsdf.sample(wo, u_lobe, u, heading.quantity) else { return false };
+        let direction = surface.shading.to_world(drawn.wi).normalize();
+        if drawn.value.is_black() || !last.sides_agree(surface, direction) {
+            return false;
+        }
+        if self.plan.strategies.joins_both_ways() {
+            let previous = before.last_mut().expect("a surface was reached from somewhere");
+            let per_area = previous.solid_angle_per_area_from(last.point.position);
+            previous.reverse = if drawn.is_delta {
+                // A delta is drawn with the same probability from either side.
+                AreaPdf::of_direction(drawn.pdf, per_area * f64::from(surface.bsdf.delta_measure(wo)))
+            } else {
+                AreaPdf::of_direction(last.reverse_pdf(direction, heading.quantity), per_area)
+            };
+        }
+        self.turn(last, &drawn, direction, heading);
+        last.is_delta = drawn.is_delta;
+        self.survives(heading)
+    }
+
+    fn turn(&self, vertex: &Vertex<'a>, drawn: &BsdfSample, direction: Vec3A, heading: &mut Heading<'a>) {
+        let Some(surface) = vertex.surface() else { return };
+        let hero = Spectrum::splat(drawn.pdf.hero());
+        // Divided, not multiplied by a reciprocal: the hero's own density stays exactly one.
+        heading.throughput *= drawn.value / hero;
+        heading.lanes *= drawn.pdf / hero;
+        if heading.quantity == Quantity::Importance {
+            heading.throughput *= vertex.adjoint_factor(surface, direction);
+        } else if drawn.is_transmission {
+            heading.lossless *= surface.bsdf.radiance_scale(drawn.wi);
+        }
+        heading.pdf = drawn.pdf;
+        heading.delta_measure =
+            if drawn.is_delta { f64::from(surface.bsdf.delta_measure(drawn.wi)) } else { 1.0 };
+        if self.plan.tracks_media && drawn.is_transmission {
+            heading.media = vertex.media_towards(direction);
+        }
+        heading.ray = vertex.point.ray_along(direction);
+        heading.bounce += 1;
+    }
+
+    /// Russian roulette on what the subpath still carries, n^2 factors aside: those come back
+    /// when it leaves the medium. Subpaths from a light are ended from the first bounce on, in
+    /// proportion to the power that they lose: all that go on carry the same.
+    fn survives(&self, heading: &mut Heading<'_>) -> bool {
+        let (stream, sure) = match heading.quantity {
+            Quantity::Radiance => (Stream::Roulette, SURE_BOUNCES),
+            Quantity::Importance => (Stream::LightRoulette, 0),
+        };
+        if heading.bounce <= sure {
+            return true;
+        }
+        let carried = heading.throughput.max() / (heading.lanes.mean() * heading.lossless);
+        let most = if heading.bounce < TRAPPED_BOUNCES { 1.0 } else { TRAPPED_SURVIVAL };
+        if carried >= most && most == 1.0 {
+            return true;
+        }
+        let survival = carried.min(most);
+        let survives = self.sampler.single(stream, heading.bounce) < survival;
+        heading.throughput *= 1.0 / survival;
+        survives
+    }
+}
+
+/// The vertex at an end.
+fn end<'a>(kind: Kind<'a>, point: SurfacePoint, forward: AreaPdf, is_delta: bool, media: Media<'a>) -> Vertex<'a> {
+    Vertex {
+        point,
+        kind,
+        to_previous: Vec3A::ZERO,
+        throughput: Spectrum::ONE,
+        lanes: Spectrum::ONE,
+        forward,
+        reverse: AreaPdf::ZERO,
+        media,
+        is_delta,
+    }
+}
+
+/// Beer-Lambert over a distance in scene units.
+pub fn transmittance(absorption: &Dense, distance: f32, wavelengths: &Wavelengths) -> Spectrum {
+    absorption.at(wavelengths).map(|a| (-a * distance).exp())
+}

@@ -1,0 +1,250 @@
+//! The one place where weights are computed.
+//!
+//! Vertices of a complete path are numbered from the light. With the density of each vertex
+//! from either end, neighbouring strategies differ by one vertex,
+//! p(s+1) / p(s) = light\[s\] / eye\[s\] (Veach 1997, equation 10.9), and everything is a product
+//! of such ratios. Densities differ between the lanes; a strategy's density is the mean over
+//! them, which is what the balance heuristic over the hero makes of it (Wilkie et al. 2014),
+//! and between strategies the power heuristic decides (Veach 1997, equation 9.13).
+
+use super::strategies::Strategies;
+use crate::measure::AreaPdf;
+use crate::spectrum::{LANES, Spectrum};
+
+/// A vertex of a complete path as far as weights depend on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Known {
+    /// Density of the vertex for a subpath from the light.
+    pub light: AreaPdf,
+    /// Density of the vertex for a subpath from the eye.
+    pub eye: AreaPdf,
+    /// Density of the vertex's own subpath up to it under each lane, relative to the hero's.
+    pub lanes: Spectrum,
+    /// Whether the path passes through a Dirac delta here, so that no strategy joins here.
+    pub is_delta: bool,
+}
+
+/// What becomes of a contribution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged {
+    /// Share of the strategy among all that find the path: 0 to 1.
+    pub weight: f64,
+    /// Density of the path under the strategy, mean over the lanes, relative to the hero's.
+    pub lane_mean: f64,
+}
+
+/// A path, and the strategy that made it.
+#[derive(Clone, Copy, Debug)]
+pub struct Made<'p> {
+    /// The vertices, numbered from the light; those that no listed strategy differs by may be
+    /// missing at the end.
+    pub vertices: &'p [Known],
+    /// Number of all vertices.
+    pub count: usize,
+    /// How many of them came from the light.
+    pub from_light: usize,
+    /// Density of the light's vertex when it is asked for by its neighbour (s = 1).
+    pub asked: f64,
+}
+
+/// Density as far as weights go: one number where all lanes agree, one per lane elsewhere.
+pub trait Density: Copy {
+    /// One.
+    const ONE: Self;
+    /// Of a vertex.
+    fn of(pdf: &AreaPdf) -> Self;
+    /// Of a subpath, relative to the hero's.
+    fn relative(lanes: &Spectrum) -> Self;
+    /// Product.
+    fn times(self, other: Self) -> Self;
+    /// Scaled.
+    fn scaled(self, factor: f64) -> Self;
+    /// Mean over the lanes.
+    fn mean(self) -> f64;
+    /// Largest lane.
+    fn largest(self) -> f64;
+}
+
+impl Density for f64 {
+    const ONE: Self = 1.0;
+    #[inline]
+    fn of(pdf: &AreaPdf) -> Self {
+        pdf.hero()
+    }
+    #[inline]
+    fn relative(_: &Spectrum) -> Self {
+        1.0
+    }
+    #[inline]
+    fn times(self, other: Self) -> Self {
+        self * other
+    }
+    #[inline]
+    fn scaled(self, factor: f64) -> Self {
+        self * factor
+    }
+    #[inline]
+    fn mean(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn largest(self) -> f64 {
+        self
+    }
+}
+
+/// Densities of all lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct Lanes([f64; LANES]);
+
+impl Density for Lanes {
+    const ONE: Self = Self([1.0; LANES]);
+    #[inline]
+    fn of(pdf: &AreaPdf) -> Self {
+        Self(std::array::from_fn(|lane| pdf.lane(lane)))
+    }
+    #[inline]
+    fn relative(lanes: &Spectrum) -> Self {
+        Self(lanes.0.map(f64::from))
+    }
+    #[inline]
+    fn times(self, other: Self) -> Self {
+        Self(std::array::from_fn(|lane| self.0[lane] * other.0[lane]))
+    }
+    #[inline]
+    fn scaled(self, factor: f64) -> Self {
+        Self(self.0.map(|density| density * factor))
+    }
+    #[inline]
+    fn mean(self) -> f64 {
+        self.0.iter().sum::<f64>() / LANES as f64
+    }
+    #[inline]
+    fn largest(self) -> f64 {
+        self.0.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// A product of ratios that may leave the range of f64 and come back.
+#[derive(Clone, Copy)]
+struct Ratio<D> {
+    value: D,
+    /// How many times `value` was multiplied by [`Ratio::STEP`] to keep it in range.
+    raised: u32,
+}
+
+impl<D: Density> Ratio<D> {
+    /// A ratio so large that its square leaves nothing for others in the weight, 2^500.
+    const STEP: f64 = f64::from_bits((1023 + 500) << 52);
+
+    const fn new(value: D) -> Self {
+        Self { value, raised: 0 }
+    }
+
+    /// Multiplies; `None` where the ratio is beyond [`Self::STEP`].
+    fn multiply(&mut self, factor: D) -> Option<()> {
+        self.value = self.value.times(factor);
+        let largest = self.value.largest();
+        if largest < 1.0 / Self::STEP {
+            self.value = self.value.scaled(Self::STEP);
+            self.raised += 1;
+        } else if largest > Self::STEP {
+            self.raised = self.raised.checked_sub(1)?;
+            self.value = self.value.scaled(1.0 / Self::STEP);
+        }
+        Some(())
+    }
+
+    /// Squared mean over the lanes with what the rest of the path contributes.
+    fn squared(&self, rest: D) -> f64 {
+        let mean = if self.raised == 0 { self.value.times(rest).mean() } else { 0.0 };
+        mean * mean
+    }
+}
+
+impl Made<'_> {
+    /// The weight of the strategy that made the path among those of a list.
+    #[inline]
+    pub fn judge<D: Density>(&self, strategies: &Strategies) -> Judged {
+        let (light_side, eye_side) = (self.lanes_before(self.from_light), self.lanes_from(self.from_light));
+        let lane_mean = D::relative(&light_side).times(D::relative(&eye_side)).mean();
+        let own = lane_mean * lane_mean;
+        let others = self.fewer_from_light::<D>(strategies, &eye_side).and_then(|fewer| {
+            Some(fewer + self.more_from_light::<D>(strategies, &light_side)?)
+        });
+        // An unlisted sum is beyond any number.
+        let weight = others.map_or(0.0, |others| own / (own + others));
+        Judged { weight, lane_mean }
+    }
+
+    /// Squared densities of strategies with fewer vertices from the light, relative to this
+    /// one's hero; `None` beyond the range.
+    fn fewer_from_light<D: Density>(&self, strategies: &Strategies, eye_side: &Spectrum) -> Option<f64> {
+        let (fewest, _) = strategies.span(self.count);
+        let mut ratio = Ratio::new(D::relative(eye_side));
+        let mut sum = 0.0;
+        for s in (fewest..self.from_light).rev() {
+            let vertex = &self.vertices[s];
+            let drawn = if s == 0 { self.first_drawn() } else { vertex.light.hero() };
+            ratio.multiply(D::of(&vertex.eye).scaled(1.0 / drawn))?;
+            if self.is_open(strategies, s) {
+                sum += ratio.squared(D::relative(&self.lanes_before(s)).scaled(self.asked_instead(s)));
+            }
+        }
+        Some(sum)
+    }
+
+    /// The same for strategies with more vertices from the light.
+    fn more_from_light<D: Density>(&self, strategies: &Strategies, light_side: &Spectrum) -> Option<f64> {
+        let (_, most) = strategies.span(self.count);
+        let mut ratio = Ratio::new(D::relative(light_side));
+        if self.from_light == 1 {
+            ratio.multiply(D::ONE.scaled(self.vertices[0].light.hero() / self.asked))?;
+        }
+        let mut sum = 0.0;
+        for s in self.from_light + 1..=most {
+            let vertex = &self.vertices[s - 1];
+            ratio.multiply(D::of(&vertex.light).scaled(1.0 / vertex.eye.hero()))?;
+            if self.is_open(strategies, s) {
+                sum += ratio.squared(D::relative(&self.lanes_from(s)).scaled(self.asked_instead(s)));
+            }
+        }
+        Some(sum)
+    }
+
+    /// What a strategy draws the light's own vertex with, over the density of a subpath from
+    /// the light.
+    fn asked_instead(&self, s: usize) -> f64 {
+        let started = self.vertices[0].light.hero();
+        if s != 1 {
+            1.0
+        } else if started > 0.0 {
+            self.asked / started
+        } else {
+            0.0
+        }
+    }
+
+    /// Density with which this strategy drew the light's vertex, as vertex of a subpath from
+    /// the light.
+    fn first_drawn(&self) -> f64 {
+        if self.from_light == 1 { self.asked } else { self.vertices[0].light.hero() }
+    }
+
+    /// Whether a strategy is listed and joins no delta.
+    fn is_open(&self, strategies: &Strategies, s: usize) -> bool {
+        let joins = |vertex: usize| self.vertices.get(vertex).is_none_or(|known| !known.is_delta);
+        let open = s == 0 || s == self.count || joins(s - 1) && joins(s);
+        open && strategies.plans(s, self.count - s)
+    }
+
+    /// Lanes of the subpath of the first `s` vertices, as a subpath from the light.
+    fn lanes_before(&self, s: usize) -> Spectrum {
+        if s < 2 { Spectrum::ONE } else { self.vertices[s - 1].lanes }
+    }
+
+    /// Lanes of the subpath of the vertices from `s` on, as a subpath from the eye.
+    fn lanes_from(&self, s: usize) -> Spectrum {
+        self.vertices.get(s).map_or(Spectrum::ONE, |vertex| vertex.lanes)
+    }
+}
