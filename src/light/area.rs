@@ -66,6 +66,7 @@ impl AreaLight {
         let visible = self.shines(point.normal, -shadow_ray.direction);
         (visible && pdf_solid_angle > 0.0 && pdf_solid_angle.is_finite()).then(|| LightSample {
             point,
+            primitive: Some(id),
             shadow_ray,
             radiance: self.radiance.at(wavelengths),
             pdf_solid_angle,

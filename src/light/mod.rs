@@ -35,6 +35,8 @@ pub enum Light {
 pub struct LightSample {
     /// The point of the light.
     pub point: SurfacePoint,
+    /// Primitive in the geometry that it is on; `None` for a point light.
+    pub primitive: Option<u32>,
     /// The stretch between the lit point and the light, to be tested for obstacles; its
     /// direction points to the light.
     pub shadow_ray: Ray,

@@ -73,6 +73,7 @@ impl PointLight {
         let share = self.distribution.towards(-shadow_ray.direction);
         (share > 0.0).then(|| LightSample {
             point: self.point(),
+            primitive: None,
             shadow_ray,
             radiance: self.intensity.at(wavelengths) * (share / span.length_squared()),
             pdf_solid_angle: 1.0,

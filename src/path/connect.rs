@@ -26,6 +26,23 @@ pub struct Contribution {
     pub weight: f32,
     /// Where in the picture, unless where the subpath from the eye began.
     pub position: Option<[f64; 2]>,
+    /// The vertex that belongs to no subpath: of the light for s = 1, of the eye for t < 2.
+    pub end: Option<End>,
+}
+
+/// An end of a path that was found from its neighbour.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// Where it is.
+    pub point: SurfacePoint,
+    /// Light in the scene and primitive in the geometry, for a light.
+    pub light: Option<(u32, Option<u32>)>,
+}
+
+impl End {
+    const fn of_eye(point: SurfacePoint) -> Self {
+        Self { point, light: None }
+    }
 }
 
 /// The two subpaths of a sample; kept between samples for its memory.
@@ -57,15 +74,20 @@ pub struct Joiner<'a, 'd, D> {
 /// A light's point that was asked for, or met.
 struct Source<'l> {
     light: &'l Light,
+    index: u32,
+    primitive: Option<u32>,
     point: SurfacePoint,
     /// Density of the point for a subpath from the light.
     started: f64,
     /// Density of the point for a vertex that asks.
     asked: f64,
-    has_area: bool,
 }
 
 impl Source<'_> {
+    const fn end(&self) -> End {
+        End { point: self.point, light: Some((self.index, self.primitive)) }
+    }
+
     fn known(&self, eye: AreaPdf, lanes: Spectrum) -> Known {
         Known { light: AreaPdf::of_all_lanes(self.started), eye, lanes, is_delta: false }
     }
@@ -103,7 +125,14 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             0.0
         };
         let started = lights.probability_emitting(index) * light.pdf_area();
-        let source = Source { light, point: last.point, started, asked, has_area: true };
+        let source = Source {
+            light,
+            index,
+            primitive: Some(surface.primitive),
+            point: last.point,
+            started,
+            asked,
+        };
         let reaches = source.reaches(before);
         let estimate = last.throughput * light.emission(self.walker.wavelengths);
         let first = source.known(last.forward, last.lanes);
@@ -111,7 +140,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         if let Some(second) = paths.known.get_mut(1) {
             second.light = reaches;
         }
-        self.hand_on(&paths.known, [0, t], asked, estimate, None, put);
+        self.hand_on(&paths.known, [0, t], asked, estimate, (None, None), put);
     }
 
     /// s = 1: the last vertex from the eye asks a light.
@@ -135,7 +164,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             estimate *= self.transmitted(&last.media_towards(direction), ray.t_max);
         }
         let from = last.point.position;
-        let per_area = if source.has_area {
+        let per_area = if source.primitive.is_some() {
             solid_angle_per_area(from, source.point.position, source.point.normal)
         } else {
             0.0
@@ -153,7 +182,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             x1.light = second;
             x2.light = third;
         }
-        self.hand_on(&paths.known, [1, t], source.asked, estimate, None, put);
+        self.hand_on(&paths.known, [1, t], source.asked, estimate, (None, Some(source.end())), put);
     }
 
     /// s > 1, t > 1: a vertex that light has reached, by its index, and the last one from the
@@ -215,7 +244,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             known.light = before_eye_pdf;
         }
         let asked = paths.asked;
-        self.hand_on(&paths.known, [s, t], asked, estimate, None, put);
+        self.hand_on(&paths.known, [s, t], asked, estimate, (None, None), put);
     }
 
     /// t = 1, s > 1: a vertex that light has reached, by its index, asks the eye.
@@ -261,7 +290,8 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         paths.known[s - 2].eye = before_pdf;
         paths.known.push(eye_known);
         let asked = paths.asked;
-        self.hand_on(&paths.known, [s, 1], asked, estimate, Some(sight.position), put);
+        let place = (Some(sight.position), Some(End::of_eye(end.point)));
+        self.hand_on(&paths.known, [s, 1], asked, estimate, place, put);
     }
 
     /// s = t = 1: a light is joined to the eye.
@@ -281,7 +311,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         if walker.plan.tracks_media {
             estimate *= self.transmitted(&self.eye_media, ray.t_max);
         }
-        let per_area = if source.has_area {
+        let per_area = if source.primitive.is_some() {
             let at = source.point;
             solid_angle_per_area(end.point.position, at.position, at.normal)
         } else {
@@ -292,7 +322,8 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             source.known(seen, Spectrum::ONE),
             Known { light: source.reaches(&end), eye: end.forward, lanes: Spectrum::ONE, is_delta: false },
         ];
-        self.hand_on(&known, [1, 1], source.asked, estimate, Some(sight.position), put);
+        let place = (Some(sight.position), Some(source.end()));
+        self.hand_on(&known, [1, 1], source.asked, estimate, place, put);
     }
 
     /// t = 0: the subpath from the light has met the eye on the way of `heading`.
@@ -331,7 +362,8 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         paths.gather(walker, s - 1, 0, None);
         paths.known[s - 2].eye = last_eye;
         paths.known.push(eye_known);
-        self.hand_on(&paths.known, [s, 0], asked, estimate, Some(sight.position), put);
+        let place = (Some(sight.position), Some(End::of_eye(point)));
+        self.hand_on(&paths.known, [s, 0], asked, estimate, place, put);
     }
 
     /// Density with which a vertex would ask for the point that a subpath from a light began
@@ -358,8 +390,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let u = walker.sampler.pair(Stream::LightPoint, name);
         let sample = light.sample_towards(&walker.scene.geometry, point, u, walker.wavelengths)?;
         let drawn = probability * f64::from(sample.pdf_solid_angle);
-        let has_area = light.has_surface();
-        let asked = if has_area {
+        let asked = if sample.primitive.is_some() {
             drawn
                 * solid_angle_per_area(
                     point.position,
@@ -370,7 +401,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             drawn
         };
         let started = lights.probability_emitting(index) * light.pdf_area();
-        let source = Source { light, point: sample.point, started, asked, has_area };
+        let source = Source { light, index, primitive: sample.primitive, point: sample.point, started, asked };
         Some((source, sample.shadow_ray, sample.radiance * (1.0 / drawn) as f32))
     }
 
@@ -395,13 +426,13 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         [s, t]: [usize; 2],
         asked: f64,
         estimate: Spectrum,
-        position: Option<[f64; 2]>,
+        (position, end): (Option<[f64; 2]>, Option<End>),
         put: &mut impl FnMut(&Contribution),
     ) {
         let made = Made { vertices: known, count: s + t, from_light: s, asked };
         let judged = made.judge::<D>(&self.walker.plan.strategies);
         let estimate = estimate * (1.0 / judged.lane_mean) as f32;
-        put(&Contribution { s, t, estimate, weight: judged.weight as f32, position });
+        put(&Contribution { s, t, estimate, weight: judged.weight as f32, position, end });
     }
 }
 

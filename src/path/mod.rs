@@ -11,11 +11,13 @@ mod strategies;
 mod vertex;
 mod walk;
 mod weights;
+mod whole;
 
-pub use connect::{Contribution, Joiner, Subpaths};
+pub use connect::{Contribution, End, Joiner, Subpaths};
 pub use eye::{Eye, EyeRay, Sight};
 pub use media::Media;
 pub use strategies::Strategies;
 pub use vertex::{Kind, Surface, Vertex};
 pub use walk::{Heading, Walker};
 pub use weights::{Density, Judged, Known, Lanes, Made};
+pub use whole::Whole;

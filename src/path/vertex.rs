@@ -22,6 +22,9 @@ pub struct Vertex<'a> {
     pub throughput: Spectrum,
     /// Density of the subpath up to here under each lane, relative to the hero's.
     pub lanes: Spectrum,
+    /// Probability with which roulette has let the subpath live so far; the throughput is
+    /// larger by its inverse, the densities know nothing of it.
+    pub survival: f32,
     /// Density with which its own subpath reaches the vertex.
     pub forward: AreaPdf,
     /// Density with which a subpath from the other end would reach it, coming along this

@@ -56,7 +56,9 @@ pub struct Heading<'a> {
     pub delta_measure: f64,
     /// What the ray travels through.
     pub media: Media<'a>,
-    /// Surfaces met so far.
+    /// Probability with which roulette has let the subpath live so far.
+    pub survival: f32,
+    /// Surfaces left so far.
     pub bounce: u32,
     /// What the throughput would be if no light had been lost: where the walk began, times the
     /// n^2 factors since then.
@@ -73,6 +75,7 @@ impl<'a> Heading<'a> {
             pdf: Spectrum::splat(pdf_solid_angle as f32),
             delta_measure: 1.0,
             media,
+            survival: 1.0,
             bounce: 0,
             lossless: throughput,
         }
@@ -138,6 +141,7 @@ impl<'a> Walker<'a, '_> {
             to_previous: -heading.ray.direction,
             throughput: heading.throughput,
             lanes: heading.lanes,
+            survival: heading.survival,
             forward: AreaPdf::ZERO,
             reverse: AreaPdf::ZERO,
             media: heading.media,
@@ -221,6 +225,7 @@ impl<'a> Walker<'a, '_> {
         let survival = carried.min(most);
         let survives = self.sampler.single(stream, heading.bounce) < survival;
         heading.throughput *= 1.0 / survival;
+        heading.survival *= survival;
         survives
     }
 }
@@ -233,6 +238,7 @@ fn end<'a>(kind: Kind<'a>, point: SurfacePoint, forward: AreaPdf, is_delta: bool
         to_previous: Vec3A::ZERO,
         throughput: Spectrum::ONE,
         lanes: Spectrum::ONE,
+        survival: 1.0,
         forward,
         reverse: AreaPdf::ZERO,
         media,
