@@ -158,7 +158,7 @@ impl<'a> PathTracer<'a> {
         let weight = match &walk.origin {
             Origin::Sole => 1.0,
             Origin::Shared { point, density_before } => {
-                let drawn = self.scene.lights.probability(index)
+                let drawn = self.scene.lights.probability_towards(point.position, index) as f32
                     * light.pdf_towards(&self.scene.geometry, point, &walk.ray, hit);
                 power_heuristic(density, density_before * drawn)
             }
@@ -198,7 +198,9 @@ impl<'a> PathTracer<'a> {
     ) {
         let geometry = &self.scene.geometry;
         let choice = sampler.fine(Stream::LightChoice, walk.bounce);
-        let Some((light, probability)) = self.scene.lights.choose(choice) else { return };
+        let from = vertex.point.position;
+        let Some((index, probability)) = self.scene.lights.choose_towards(from, choice) else { return };
+        let light = self.scene.lights.get(index);
         let u = sampler.pair(Stream::LightPoint, walk.bounce);
         let Some(sample) = light.sample_towards(geometry, &vertex.point, u, wavelengths) else { return };
         let direction = sample.shadow_ray.direction;
@@ -210,7 +212,7 @@ impl<'a> PathTracer<'a> {
         if scattered.value.is_black() || geometry.occluded(&sample.shadow_ray) {
             return;
         }
-        let drawn = walk.lane_density.mean() * probability * sample.pdf_solid_angle;
+        let drawn = walk.lane_density.mean() * probability as f32 * sample.pdf_solid_angle;
         let by_chance = (walk.lane_density * scattered.pdf).mean();
         let weight = if sample.is_delta { 1.0 } else { power_heuristic(drawn, by_chance) };
         let mut light = sample.radiance;

@@ -3,18 +3,24 @@
 //! A [`Light`] answers two questions about a point that it may light: draw a direction
 //! towards you ([`Light::sample_towards`]), and with what density would you have drawn this
 //! direction ([`Light::pdf_towards`]). Both are per solid angle at the lit point.
-//! Levels are resolved in [`power`], once, when the scene is built.
+//! Levels are resolved in [`power`], once, when the scene is built. Which light is asked,
+//! [`Lights`] decides.
 
 mod area;
 mod choose;
+mod cluster;
+mod cone;
+mod hierarchy;
 mod point;
 pub mod power;
+mod split;
 
 pub use area::AreaLight;
 pub use choose::Lights;
 pub use point::{Distribution, PointLight};
 pub use power::EmitterFacts;
 
+use self::cluster::Cluster;
 use crate::geometry::{Geometry, Hit, Ray, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 
@@ -65,6 +71,14 @@ impl Light {
         match self {
             Self::Point(_) => 0.0,
             Self::Area(light) => light.pdf_towards(geometry, from, ray, hit),
+        }
+    }
+
+    /// What the hierarchy of lights knows of a light with this power.
+    fn cluster(&self, geometry: &Geometry, power: f64) -> Cluster {
+        match self {
+            Self::Point(light) => light.cluster(power),
+            Self::Area(light) => light.cluster(geometry, power),
         }
     }
 }

@@ -1,7 +1,9 @@
 //! Light from a single point.
 
 use super::LightSample;
-use crate::geometry::SurfacePoint;
+use super::cluster::Cluster;
+use super::cone::Cone;
+use crate::geometry::{Bounds, SurfacePoint};
 use crate::spectrum::{Dense, Wavelengths};
 use glam::Vec3A;
 
@@ -58,5 +60,17 @@ impl PointLight {
             pdf_solid_angle: 1.0,
             is_delta: true,
         })
+    }
+
+    /// What the hierarchy of lights knows of this light with its power.
+    pub(super) fn cluster(&self, power: f64) -> Cluster {
+        Cluster {
+            bounds: Bounds { min: self.position, max: self.position },
+            normals: match self.distribution {
+                Distribution::Isotropic => Cone::ALL,
+                Distribution::Cosine(axis) => Cone::along(axis.as_dvec3(), false),
+            },
+            intensity: power / self.distribution.solid_angle_sr(),
+        }
     }
 }
