@@ -186,6 +186,7 @@ fn gains(scene: &Scene) -> Vec<f64> {
         let (mean, by_power) = scatter(scene, place, |_, u| scene.lights.choose_emitting(u));
         let (same, by_place) = scatter(scene, place, |from, u| scene.lights.choose_towards(from, u));
         assert!((mean / same - 1.0).abs() < 0.05, "means {mean} and {same}");
+        println!("   relative {:.3} {:.3}", by_power / mean / mean, by_place / mean / mean);
         by_power / by_place
     };
     (0..scene.meters.len()).map(gain).collect()

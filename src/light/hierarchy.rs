@@ -1,23 +1,25 @@
-//! Light selection that knows the lit point: a binary tree over the lights.
+//! Light selection that knows the lit point: a tree over the lights.
 //!
 //! Every node knows a box around its lights, a cone of their normals and the sum of their
 //! intensities. From these follows what the lights can give a point at most, up to the box's
 //! own extent, and a walk from the root chooses at each node in that proportion (Conty
 //! Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting",
-//! with one light drawn and no splitting). Only the position of the point counts, not its
-//! normal: surfaces may transmit, and the same probability must follow from a position alone.
+//! with one light drawn and no splitting). Nodes have two children, but those of few lights
+//! have them all: asking each costs no more than the turns it saves, and bounds are tightest
+//! there. Only the position of the point counts, not its normal: surfaces may transmit, and
+//! the same probability must follow from a position alone.
 
 use super::cluster::Cluster;
 use super::split::{Member, split};
 use glam::{DVec3, Vec3, Vec3A};
 
-/// A binary tree over the lights of a scene.
+/// A tree over the lights of a scene.
 #[derive(Clone, Debug)]
 pub(super) struct Hierarchy {
-    /// The root, then pairs of siblings.
+    /// The root, then siblings together.
     nodes: Vec<Node>,
-    /// For each light the turns from the root to its leaf, the first in the lowest bit; set
-    /// where the turn is to the second of a pair.
+    /// For each light the turns from the root to its leaf, the first in the lowest bits: which
+    /// sibling, in as many bits as tell them apart.
     trails: Vec<u64>,
 }
 
@@ -39,58 +41,70 @@ struct Node {
 /// What a node holds.
 #[derive(Clone, Copy, Debug)]
 enum Below {
-    /// Two nodes, by the index of the first.
-    Pair(u32),
+    /// Siblings, by the index of the first and their number.
+    Nodes { first: u32, count: u8 },
     /// A light, by its index.
     Light(u32),
 }
 
-/// Depth from which sets are halved whatever they hold: a trail has 64 turns, and 2^32 lights
-/// are told apart by halving 32 times.
-const HALVING_DEPTH: u32 = 32;
+/// Largest number of lights below one node without another between.
+const SIBLINGS: usize = 8;
+/// Depth from which sets are halved whatever they hold: fewer than 2^32 lights are down to
+/// [`SIBLINGS`] after 29 more turns, and 29 + 29 + 3 bits fit a trail.
+const HALVING_DEPTH: u32 = 29;
 /// Largest number below one.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+/// Cosine of the half angle of a cone of all directions.
+const ALL_AROUND: f32 = -1.0;
+/// What a light may give at most, as seen at a point light itself: siblings add up to a number.
+const MOST: f64 = f64::MAX / SIBLINGS as f64;
 
 impl Hierarchy {
     /// A tree over lights given by their indices, all below `count`; `None` for no lights.
     pub fn new(mut members: Vec<Member>, count: usize) -> Option<Self> {
-        let all = members.iter().map(|(_, cluster)| *cluster).reduce(|a, b| a.union(&b))?;
-        let mut nodes = Vec::with_capacity(2 * members.len());
-        nodes.push(Node::new(&all));
-        let mut tree = Self { nodes, trails: vec![0; count] };
+        let root = Node::around(&members)?;
+        let mut tree = Self { nodes: Vec::with_capacity(2 * members.len()), trails: vec![0; count] };
+        tree.nodes.push(root);
         tree.grow(0, &mut members, 0, 0);
         Some(tree)
     }
 
-    /// Puts lights below the node at an index.
+    /// Puts lights below the node at an index, to which a trail of `depth` bits leads.
     fn grow(&mut self, node: usize, members: &mut [Member], depth: u32, trail: u64) {
         if let [(light, _)] = members {
             self.nodes[node].below = Below::Light(*light);
             self.trails[*light as usize] = trail;
             return;
         }
-        let size = if depth < HALVING_DEPTH { split(members) } else { members.len() / 2 };
-        let (left, right) = members.split_at_mut(size);
-        let first = self.nodes.len();
-        self.nodes[node].below = Below::Pair(first as u32);
-        for half in [&*left, &*right] {
-            let (one, others) = half.split_first().expect("neither half is empty");
-            let whole = others.iter().fold(one.1, |whole, (_, cluster)| whole.union(cluster));
-            self.nodes.push(Node::new(&whole));
+        let parts: Vec<&mut [Member]> = if members.len() <= SIBLINGS {
+            members.chunks_mut(1).collect()
+        } else {
+            let size = if depth < HALVING_DEPTH { split(members) } else { members.len() / 2 };
+            <[_; 2]>::from(members.split_at_mut(size)).into()
+        };
+        let (first, count) = (self.nodes.len(), parts.len() as u8);
+        self.nodes[node].below = Below::Nodes { first: first as u32, count };
+        self.nodes.extend(parts.iter().filter_map(|part| Node::around(part)));
+        for (turn, part) in parts.into_iter().enumerate() {
+            self.grow(first + turn, part, depth + turn_bits(count), trail | (turn as u64) << depth);
         }
-        self.grow(first, left, depth + 1, trail);
-        self.grow(first + 1, right, depth + 1, trail | 1 << depth);
     }
 
     /// Picks a light for a position by a number in [0, 1); with it the probability of that
     /// choice.
     #[inline]
     pub fn choose(&self, from: Vec3A, mut u: f64) -> (u32, f64) {
-        self.descend(from, |share| {
-            let goes_right = u >= share;
-            u = if goes_right { (u - share) / (1.0 - share) } else { u / share };
-            u = u.min(BELOW_ONE);
-            goes_right
+        self.descend(from, |shares| {
+            for (turn, share) in shares.iter().enumerate() {
+                if u < *share {
+                    u = (u / share).min(BELOW_ONE);
+                    return turn;
+                }
+                u -= share;
+            }
+            // Rounding has left a remainder.
+            u = BELOW_ONE;
+            shares.iter().rposition(|share| *share > 0.0).expect("shares add up to one")
         })
     }
 
@@ -98,43 +112,56 @@ impl Hierarchy {
     #[inline]
     pub fn probability(&self, from: Vec3A, light: u32) -> f64 {
         let mut trail = self.trails[light as usize];
-        let (_, probability) = self.descend(from, |_| {
-            let goes_right = trail & 1 == 1;
-            trail >>= 1;
-            goes_right
+        let (_, probability) = self.descend(from, |shares| {
+            let bits = turn_bits(shares.len() as u8);
+            let turn = trail & ((1 << bits) - 1);
+            trail >>= bits;
+            turn as usize
         });
         probability
     }
 
-    /// Walks from the root to a light, turning as told when asked with the share of the first
-    /// of a pair; the light, and the product of the shares along the way.
+    /// Walks from the root to a light, turning as told when asked with the shares of siblings;
+    /// the light, and the product of the shares along the way.
     #[inline]
-    fn descend(&self, from: Vec3A, mut goes_right: impl FnMut(f64) -> bool) -> (u32, f64) {
+    fn descend(&self, from: Vec3A, mut turn: impl FnMut(&[f64]) -> usize) -> (u32, f64) {
         let from = from.as_dvec3();
         let (mut node, mut probability) = (&self.nodes[0], 1.0);
         loop {
-            let first = match node.below {
+            let (first, count) = match node.below {
                 Below::Light(light) => return (light, probability),
-                Below::Pair(first) => first as usize,
+                Below::Nodes { first, count } => (first as usize, count as usize),
             };
-            let (left, right) = (&self.nodes[first], &self.nodes[first + 1]);
-            let share = share_of_left(left, right, from);
-            if goes_right(share) {
-                (node, probability) = (right, probability * (1.0 - share));
-            } else {
-                (node, probability) = (left, probability * share);
-            }
+            let siblings = &self.nodes[first..first + count];
+            let mut shares = [0.0; SIBLINGS];
+            share_out(siblings, from, &mut shares[..count]);
+            let turn = turn(&shares[..count]);
+            node = &siblings[turn];
+            probability *= shares[turn];
         }
     }
 }
 
-/// Probability of the first of two siblings.
+/// Bits that tell this many siblings apart.
 #[inline]
-fn share_of_left(left: &Node, right: &Node, from: DVec3) -> f64 {
-    let ((left_gives, left_square), (right_gives, right_square)) = (left.towards(from), right.towards(from));
-    // Over a common denominator: at a point light itself the squared distance is zero.
-    let (a, b) = (left_gives * right_square, right_gives * left_square);
-    if a + b > 0.0 { a / (a + b) } else { left.intensity / (left.intensity + right.intensity) }
+const fn turn_bits(count: u8) -> u32 {
+    u8::BITS - (count - 1).leading_zeros()
+}
+
+/// Probabilities of siblings for a position: by what they give at most; where all are dark, by
+/// intensity.
+#[inline]
+fn share_out(siblings: &[Node], from: DVec3, shares: &mut [f64]) {
+    let mut sum = 0.0;
+    for (share, node) in shares.iter_mut().zip(siblings) {
+        *share = node.gives(from);
+        sum += *share;
+    }
+    if sum == 0.0 {
+        shares.iter_mut().zip(siblings).for_each(|(share, node)| *share = node.intensity);
+        sum = shares.iter().sum();
+    }
+    shares.iter_mut().for_each(|share| *share /= sum);
 }
 
 impl Node {
@@ -152,20 +179,21 @@ impl Node {
         }
     }
 
-    /// The largest intensity towards a position, and the squared distance to divide it by:
-    /// that of the centre, but none within the ball around the box.
+    /// A node around lights, still without anything below; `None` for no lights.
+    fn around(members: &[Member]) -> Option<Self> {
+        let (first, others) = members.split_first()?;
+        Some(Self::new(&others.iter().fold(first.1, |all, (_, cluster)| all.union(cluster))))
+    }
+
+    /// The largest intensity towards a position over the squared distance of the centre, or
+    /// over that of the rim from within the ball around the box.
     #[inline]
-    fn towards(&self, from: DVec3) -> (f64, f64) {
+    fn gives(&self, from: DVec3) -> f64 {
         let span = from - self.center.as_dvec3();
         let (square, radius2) = (span.length_squared(), f64::from(self.radius).powi(2));
-        if square <= radius2 {
-            return (self.intensity, radius2);
-        }
-        // A cone of all directions has this cosine.
-        if self.cos == -1.0 {
-            return (self.intensity, square);
-        }
-        (self.intensity * self.cosine(span, square.sqrt()), square)
+        let cosine =
+            if square <= radius2 || self.cos == ALL_AROUND { 1.0 } else { self.cosine(span, square.sqrt()) };
+        (self.intensity * cosine / square.max(radius2).max(f64::MIN_POSITIVE)).min(MOST)
     }
 
     /// Bound on the cosine of emission towards a position outside the ball, given by its span

@@ -28,11 +28,7 @@ impl Cut {
 /// Reorders two or more lights into two sets and returns the size of the first; neither is
 /// empty. Lights that are all in one place are halved in their order.
 pub(super) fn split(members: &mut [Member]) -> usize {
-    let half = members.len() / 2;
-    if members.len() == 2 {
-        return half;
-    }
-    let Some(cut) = best_cut(members) else { return half };
+    let Some(cut) = best_cut(members) else { return members.len() / 2 };
     // Stable, so that the hierarchy depends on nothing but the lights and their order.
     members.sort_by_key(|member| cut.slice_of(member) >= cut.slices);
     members.partition_point(|member| cut.slice_of(member) < cut.slices)
