@@ -5,11 +5,12 @@ mod common;
 
 use common::{assert_reads, metered};
 use etalon::camera::{CIE_SENSOR, Sensor};
-use etalon::geometry::SurfacePoint;
+use etalon::geometry::{GeometryBuilder, SurfacePoint};
 use etalon::integrator::read_meters;
+use etalon::light::{Distribution, Light, Lights, PointLight};
 use etalon::sampler::mix;
 use etalon::scene::{MeterKind, Plan, Scene};
-use etalon::spectrum::Wavelengths;
+use etalon::spectrum::{Dense, Wavelengths};
 use glam::{DVec3, Vec3A};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -186,18 +187,32 @@ fn gains(scene: &Scene) -> Vec<f64> {
         let (mean, by_power) = scatter(scene, place, |_, u| scene.lights.choose_emitting(u));
         let (same, by_place) = scatter(scene, place, |from, u| scene.lights.choose_towards(from, u));
         assert!((mean / same - 1.0).abs() < 0.05, "means {mean} and {same}");
-        println!("   relative {:.3} {:.3}", by_power / mean / mean, by_place / mean / mean);
         by_power / by_place
     };
     (0..scene.meters.len()).map(gain).collect()
 }
 
-/// Measured at the three meters: (to be stated).
+/// Measured at the three meters: 11.2, 9.7 and 10.3 times less.
 #[test]
 fn choosing_by_place_scatters_less_than_choosing_by_power() {
     let gains = gains(&room(40, 25, &places()));
-    println!("{gains:?}");
-    assert!(gains.iter().all(|gain| *gain > 2.0), "{gains:?}");
+    assert!(gains.iter().all(|gain| *gain > 5.0), "{gains:?}");
+}
+
+/// From two lamps on, weighing them pays: whatever their number, the scatter is lower.
+#[test]
+fn even_two_lamps_are_better_chosen_by_place() {
+    for (columns, rows) in [(2, 1), (2, 2), (4, 2), (3, 3), (8, 4)] {
+        let gains = gains(&room(columns, rows, &places_within(columns, rows)));
+        assert!(gains.iter().all(|gain| *gain > 2.0), "{columns} x {rows}: {gains:?}");
+    }
+}
+
+/// On the floor, half way up, and a hand's breadth below the lamps.
+fn places_within(columns: u64, rows: u64) -> [Place; 3] {
+    let (x, y) = (columns as f64 * PITCH, rows as f64 * PITCH);
+    [(0.5, 0.5, 0.0), (0.1, 0.2, 1.5), (0.9, 0.6, 2.4)]
+        .map(|(u, v, z)| Place(DVec3::new(u * x, v * y, z), DVec3::Z))
 }
 
 /// Run with `cargo test --release --test many_lights -- --ignored --nocapture`.
@@ -205,10 +220,7 @@ fn choosing_by_place_scatters_less_than_choosing_by_power() {
 #[ignore = "measures, asserts nothing"]
 fn what_choosing_costs_and_saves() {
     for (columns, rows) in [(1, 1), (2, 1), (2, 2), (4, 2), (4, 4), (8, 4), (8, 8), (40, 25)] {
-        let (x, y) = (columns as f64 * PITCH, rows as f64 * PITCH);
-        let spots = [(0.5, 0.5, 0.0), (0.1, 0.2, 1.5), (0.9, 0.6, 2.4)];
-        let places = spots.map(|(u, v, z)| Place(DVec3::new(u * x, v * y, z), DVec3::Z));
-        let scene = room(columns, rows, &places);
+        let scene = room(columns, rows, &places_within(columns, rows));
         let time = |choose: &dyn Fn(Vec3A, f64) -> Option<(u32, f64)>| {
             let (start, mut state) = (Instant::now(), 1);
             for _ in 0..1_000_000 {
@@ -225,4 +237,19 @@ fn what_choosing_costs_and_saves() {
             columns * rows
         );
     }
+
+    let geometry = GeometryBuilder::new().build().expect("an empty scene");
+    let mut state = 5;
+    let lamps: Vec<(Light, f64)> = (0..100_000)
+        .map(|_| {
+            let [position, axis] =
+                [0; 2].map(|_| Vec3A::from_array([0; 3].map(|_| uniform(&mut state) as f32 - 0.5)));
+            let distribution = Distribution::Cosine(axis.normalize());
+            let light = PointLight { position, distribution, intensity: Dense::Flat(1.0) };
+            (Light::Point(light), uniform(&mut state))
+        })
+        .collect();
+    let start = Instant::now();
+    let lights = Lights::new(&geometry, lamps);
+    println!("{} lamps: hierarchy in {:.3?}", lights.len(), start.elapsed());
 }

@@ -3,6 +3,7 @@
 
 use super::Light;
 use super::hierarchy::Hierarchy;
+use super::split::Member;
 use crate::geometry::Geometry;
 use glam::Vec3A;
 
@@ -15,7 +16,7 @@ pub struct Lights {
     lights: Vec<Light>,
     /// Probability of choosing by power any light up to and including each.
     upto: Vec<f64>,
-    /// Absent where there are few lights.
+    /// Absent where there is no choice.
     hierarchy: Option<Hierarchy>,
 }
 
@@ -27,8 +28,6 @@ impl Lights {
     /// obstacles, and its bounds are loose; with this share no light weighs more than twenty
     /// times what it would by power alone.
     const POWER_SHARE: f64 = 0.05;
-    /// Up to this many lights with power there is no hierarchy.
-    const FEW: usize = 1;
 
     /// Lights with their powers.
     pub fn new(geometry: &Geometry, lights: Vec<(Light, f64)>) -> Self {
@@ -37,10 +36,10 @@ impl Lights {
         let members: Vec<_> = (0..)
             .zip(lights.iter().zip(&powers))
             .filter(|(_, (_, power))| **power > 0.0)
-            .map(|(index, (light, power))| (index, light.cluster(geometry, *power)))
+            .map(|(index, (light, power))| Member::new(index, light.cluster(geometry, *power)))
             .collect();
-        let many = members.len() > Self::FEW;
-        let hierarchy = if many { Hierarchy::new(members, lights.len()) } else { None };
+        // From two lights on it pays: tests/many_lights.rs measures what it costs and saves.
+        let hierarchy = if members.len() > 1 { Hierarchy::new(members, lights.len()) } else { None };
         Self { lights, upto: shares(&powers), hierarchy }
     }
 

@@ -23,12 +23,4 @@ impl Cluster {
             intensity: self.intensity + other.intensity,
         }
     }
-
-    /// How little the whole says about its parts: intensity times squared extent times solid
-    /// angle lit, after the surface area orientation heuristic (Conty Estevez and Kulla 2018,
-    /// section 4.4). The squared extent stands for the surface of the box, which is zero for
-    /// a row of lamps.
-    pub fn cost(&self) -> f64 {
-        self.intensity * f64::from(self.bounds.radius()).powi(2) * self.normals.solid_angle_lit()
-    }
 }

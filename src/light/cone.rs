@@ -1,7 +1,7 @@
 //! Cones of normals: all that the hierarchy of lights knows about where its lights face.
 
 use glam::DVec3;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 /// The directions within an angle from an axis; perhaps those opposite as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,15 +52,10 @@ impl Cone {
         Self { axis: axis.normalize(), half_angle, both_ways }
     }
 
-    /// Solid angle in sr into which Lambertian surfaces with these normals shine, directions
-    /// past the cone weighted with their cosine from its rim (Conty Estevez and Kulla 2018,
-    /// equation 1, with a quarter turn of emission).
-    pub fn solid_angle_lit(&self) -> f64 {
-        let (angle, (sin, cos)) = (self.half_angle, self.half_angle.sin_cos());
-        let end = (angle + FRAC_PI_2).min(PI);
-        let rim = 2.0 * end * sin - (angle - 2.0 * end).cos() - 2.0 * angle * sin + cos;
-        let one_way = 2.0 * PI * (1.0 - cos) + FRAC_PI_2 * rim;
-        if self.both_ways { (2.0 * one_way).min(4.0 * PI) } else { one_way }
+    /// Mean of the directions: the shorter, the wider the cone; zero where it is taken both
+    /// ways or holds all.
+    pub fn mean(&self) -> DVec3 {
+        if self.both_ways { DVec3::ZERO } else { self.axis * (0.5 * (1.0 + self.half_angle.cos())) }
     }
 }
 
@@ -97,11 +92,11 @@ mod tests {
         assert!(holds(&cone, DVec3::Z) && holds(&cone, -DVec3::Z) && !holds(&cone, DVec3::X));
     }
 
-    /// One flat lamp lights pi sr weighted with the cosine, a closed one all 4 pi.
     #[test]
-    fn the_solid_angle_lit_is_that_of_known_lamps() {
-        assert!((Cone::along(DVec3::Z, false).solid_angle_lit() - PI).abs() < 1e-12);
-        assert!((Cone::along(DVec3::Z, true).solid_angle_lit() - 2.0 * PI).abs() < 1e-12);
-        assert!((Cone::ALL.solid_angle_lit() - 4.0 * PI).abs() < 1e-12);
+    fn the_mean_of_a_half_space_is_half_way_along_its_axis() {
+        let half_space = Cone { half_angle: PI / 2.0, ..Cone::along(DVec3::X, false) };
+        assert!((half_space.mean() - DVec3::X * 0.5).length() < 1e-12);
+        assert_eq!(Cone::along(DVec3::Y, false).mean(), DVec3::Y);
+        assert_eq!((Cone::along(DVec3::Y, true).mean(), Cone::ALL.mean()), (DVec3::ZERO, DVec3::ZERO));
     }
 }

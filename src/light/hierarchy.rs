@@ -60,21 +60,21 @@ const ALL_AROUND: f32 = -1.0;
 const MOST: f64 = f64::MAX / SIBLINGS as f64;
 
 impl Hierarchy {
-    /// A tree over lights given by their indices, all below `count`; `None` for no lights.
+    /// A tree over lights, of indices below `count`; `None` for no lights.
     pub fn new(mut members: Vec<Member>, count: usize) -> Option<Self> {
-        let root = Node::around(&members)?;
+        let first = members.first()?;
         let mut tree = Self { nodes: Vec::with_capacity(2 * members.len()), trails: vec![0; count] };
-        tree.nodes.push(root);
-        tree.grow(0, &mut members, 0, 0);
+        tree.nodes.push(Node::new(&first.cluster, Below::Light(first.light)));
+        tree.nodes[0] = tree.grow(&mut members, 0, 0).1;
         Some(tree)
     }
 
-    /// Puts lights below the node at an index, to which a trail of `depth` bits leads.
-    fn grow(&mut self, node: usize, members: &mut [Member], depth: u32, trail: u64) {
-        if let [(light, _)] = members {
-            self.nodes[node].below = Below::Light(*light);
+    /// The node of some lights, to which a trail of `depth` bits leads, and what it knows of
+    /// them; those below it have their places.
+    fn grow(&mut self, members: &mut [Member], depth: u32, trail: u64) -> (Cluster, Node) {
+        if let [Member { light, cluster, .. }] = members {
             self.trails[*light as usize] = trail;
-            return;
+            return (*cluster, Node::new(cluster, Below::Light(*light)));
         }
         let parts: Vec<&mut [Member]> = if members.len() <= SIBLINGS {
             members.chunks_mut(1).collect()
@@ -82,12 +82,17 @@ impl Hierarchy {
             let size = if depth < HALVING_DEPTH { split(members) } else { members.len() / 2 };
             <[_; 2]>::from(members.split_at_mut(size)).into()
         };
-        let (first, count) = (self.nodes.len(), parts.len() as u8);
-        self.nodes[node].below = Below::Nodes { first: first as u32, count };
-        self.nodes.extend(parts.iter().filter_map(|part| Node::around(part)));
+        let (first, count) = (self.nodes.len(), parts.len());
+        self.nodes.resize(first + count, self.nodes[0].clone());
+        let mut all: Option<Cluster> = None;
         for (turn, part) in parts.into_iter().enumerate() {
-            self.grow(first + turn, part, depth + turn_bits(count), trail | (turn as u64) << depth);
+            let bits = turn_bits(count as u8);
+            let (cluster, node) = self.grow(part, depth + bits, trail | (turn as u64) << depth);
+            self.nodes[first + turn] = node;
+            all = Some(all.map_or(cluster, |all| all.union(&cluster)));
         }
+        let all = all.expect("there are two parts or more");
+        (all, Node::new(&all, Below::Nodes { first: first as u32, count: count as u8 }))
     }
 
     /// Picks a light for a position by a number in [0, 1); with it the probability of that
@@ -165,7 +170,7 @@ fn share_out(siblings: &[Node], from: DVec3, shares: &mut [f64]) {
 }
 
 impl Node {
-    fn new(cluster: &Cluster) -> Self {
+    fn new(cluster: &Cluster, below: Below) -> Self {
         let (sin, cos) = cluster.normals.half_angle.sin_cos();
         Self {
             center: cluster.bounds.center().into(),
@@ -175,14 +180,8 @@ impl Node {
             sin: sin as f32,
             both_ways: cluster.normals.both_ways,
             intensity: cluster.intensity.max(f64::MIN_POSITIVE),
-            below: Below::Light(u32::MAX),
+            below,
         }
-    }
-
-    /// A node around lights, still without anything below; `None` for no lights.
-    fn around(members: &[Member]) -> Option<Self> {
-        let (first, others) = members.split_first()?;
-        Some(Self::new(&others.iter().fold(first.1, |all, (_, cluster)| all.union(cluster))))
     }
 
     /// The largest intensity towards a position over the squared distance of the centre, or
