@@ -11,8 +11,8 @@ pub use blocks::{Budget, Progress, Rendering, Silent};
 pub use measure::{Reading, read_meters};
 pub use tracer::{Draw, Tracer};
 
-use crate::path::Strategies;
 use crate::path::Eye;
+use crate::path::Strategies;
 use crate::scene::{Plan, Scene, View};
 
 /// The algorithms that can be named.

@@ -78,8 +78,7 @@ impl<'a> Tracer<'a> {
             wavelengths: draw.wavelengths,
             sampler: draw.sampler,
         };
-        let joiner =
-            Joiner { walker, eye: &self.eye, eye_media: self.media, densities: PhantomData::<D> };
+        let joiner = Joiner { walker, eye: &self.eye, eye_media: self.media, densities: PhantomData::<D> };
         let strategies = &self.plan.strategies;
         paths.clear();
         if strategies.follows_light() {

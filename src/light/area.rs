@@ -1,9 +1,12 @@
 //! Surfaces that shine: the same radiance from every point in every direction.
 
+use super::cluster::Cluster;
+use super::cone::Cone;
 use super::{EmittedRay, LightSample};
-use crate::geometry::{Frame, Geometry, Primitive, SurfacePoint};
+use crate::geometry::{Bounds, Frame, Geometry, Primitive, SurfacePoint};
 use crate::spectrum::{Dense, Wavelengths};
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
+use std::f64::consts::PI;
 
 /// A Lambertian emitter made of the primitives of one object.
 #[derive(Clone, Debug)]
@@ -15,6 +18,9 @@ pub struct AreaLight {
     radiance: Dense,
     two_sided: bool,
 }
+
+/// Share of its area that a convex closed surface shows, on average over directions (Cauchy).
+const SEEN_OF_CLOSED: f64 = 0.25;
 
 impl AreaLight {
     /// A light from the primitives of an object; radiance in W sr^-1 m^-2 nm^-1.
@@ -110,7 +116,12 @@ impl AreaLight {
         let across = u.sqrt();
         let direction = frame.to_world(Vec3A::new(across * cos, across * sin, height)).normalize();
         let share = point.normal.dot(direction).abs();
-        (share > 0.0).then(|| EmittedRay { point, primitive: Some(id), ray: point.ray_along(direction), share })
+        (share > 0.0).then(|| EmittedRay {
+            point,
+            primitive: Some(id),
+            ray: point.ray_along(direction),
+            share,
+        })
     }
 
     /// Density of the direction of `emit` in sr^-1.
@@ -126,6 +137,28 @@ impl AreaLight {
     /// Density of the point of `emit` per square scene unit.
     pub(super) fn pdf_area(&self) -> f64 {
         1.0 / f64::from(self.area)
+    }
+
+    /// What the hierarchy of lights knows of this light with its power.
+    pub(super) fn cluster(&self, geometry: &Geometry, power: f64) -> Cluster {
+        let mut bounds = Bounds::EMPTY;
+        let mut normals: Option<Cone> = None;
+        let mut seen = DVec3::ZERO;
+        for (id, _) in &self.primitives {
+            let primitive = geometry.primitive(*id);
+            let normal = primitive.flat_normal().map(|normal| normal.as_dvec3());
+            let cone = normal.map_or(Cone::ALL, |normal| Cone::along(normal, self.two_sided));
+            bounds = bounds.union(&primitive.bounds());
+            normals = Some(normals.map_or(cone, |normals| normals.union(&cone)));
+            seen += normal.unwrap_or(DVec3::ZERO) * f64::from(primitive.area());
+        }
+        let share_seen = (seen.length() / f64::from(self.area)).max(SEEN_OF_CLOSED);
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        Cluster {
+            bounds,
+            normals: normals.unwrap_or(Cone::ALL),
+            intensity: power * share_seen / (PI * sides),
+        }
     }
 
     /// Probability of choosing a primitive: its share of the area.

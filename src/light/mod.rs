@@ -5,18 +5,24 @@
 //! direction ([`Light::pdf_towards`]); both are per solid angle at the lit point. It answers
 //! the same two about light that leaves it: [`Light::emit`] draws a ray, [`Light::pdf_area`]
 //! and [`Light::pdf_emission`] are the densities of its start and of its direction.
-//! Levels are resolved in [`power`], once, when the scene is built.
+//! Levels are resolved in [`power`], once, when the scene is built. Which light is asked,
+//! [`Lights`] decides.
 
 mod area;
 mod choose;
+mod cluster;
+mod cone;
+mod hierarchy;
 mod point;
 pub mod power;
+mod split;
 
 pub use area::AreaLight;
 pub use choose::Lights;
 pub use point::{Distribution, PointLight};
 pub use power::EmitterFacts;
 
+use self::cluster::Cluster;
 use crate::geometry::{Geometry, Ray, SurfacePoint};
 use crate::spectrum::{Spectrum, Wavelengths};
 use glam::Vec3A;
@@ -135,5 +141,13 @@ impl Light {
     /// Whether the light has a surface that rays can meet.
     pub const fn has_surface(&self) -> bool {
         matches!(self, Self::Area(_))
+    }
+
+    /// What the hierarchy of lights knows of a light with this power.
+    fn cluster(&self, geometry: &Geometry, power: f64) -> Cluster {
+        match self {
+            Self::Point(light) => light.cluster(power),
+            Self::Area(light) => light.cluster(geometry, power),
+        }
     }
 }

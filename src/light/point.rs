@@ -1,7 +1,9 @@
 //! Light from a single point.
 
+use super::cluster::Cluster;
+use super::cone::Cone;
 use super::{EmittedRay, LightSample};
-use crate::geometry::SurfacePoint;
+use crate::geometry::{Bounds, SurfacePoint};
 use crate::spectrum::{Dense, Wavelengths};
 use glam::{DVec3, Vec3A};
 use std::f64::consts::{PI, TAU};
@@ -91,5 +93,17 @@ impl PointLight {
     /// Density of `emit` in sr^-1.
     pub(super) fn pdf_emission(&self, direction: Vec3A) -> f64 {
         f64::from(self.distribution.towards(direction)) / self.distribution.solid_angle_sr()
+    }
+
+    /// What the hierarchy of lights knows of this light with its power.
+    pub(super) fn cluster(&self, power: f64) -> Cluster {
+        Cluster {
+            bounds: Bounds { min: self.position, max: self.position },
+            normals: match self.distribution {
+                Distribution::Isotropic => Cone::ALL,
+                Distribution::Cosine(axis) => Cone::along(axis.as_dvec3(), false),
+            },
+            intensity: power / self.distribution.solid_angle_sr(),
+        }
     }
 }

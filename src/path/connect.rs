@@ -125,14 +125,8 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             0.0
         };
         let started = lights.probability_emitting(index) * light.pdf_area();
-        let source = Source {
-            light,
-            index,
-            primitive: Some(surface.primitive),
-            point: last.point,
-            started,
-            asked,
-        };
+        let source =
+            Source { light, index, primitive: Some(surface.primitive), point: last.point, started, asked };
         let reaches = source.reaches(before);
         let estimate = last.throughput * light.emission(self.walker.wavelengths);
         let first = source.known(last.forward, last.lanes);
@@ -172,10 +166,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let first = source.known(AreaPdf::of_direction(scattered.pdf, per_area), Spectrum::ONE);
         let reverse = strategies.joins_both_ways().then(|| {
             let reverse = last.reverse_pdf(direction, Quantity::Radiance);
-            (
-                source.reaches(last),
-                AreaPdf::of_direction(reverse, before.solid_angle_per_area_from(from)),
-            )
+            (source.reaches(last), AreaPdf::of_direction(reverse, before.solid_angle_per_area_from(from)))
         });
         paths.gather(walker, 0, t, Some(first));
         if let (Some((second, third)), [_, x1, x2, ..]) = (reverse, &mut paths.known[..]) {
@@ -306,8 +297,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         if walker.scene.geometry.occluded(&ray) {
             return;
         }
-        let mut estimate =
-            radiance * (f64::from(self.eye.response()) * sight.pdf_solid_angle) as f32;
+        let mut estimate = radiance * (f64::from(self.eye.response()) * sight.pdf_solid_angle) as f32;
         if walker.plan.tracks_media {
             estimate *= self.transmitted(&self.eye_media, ray.t_max);
         }
@@ -355,9 +345,8 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             lanes: heading.lanes,
             is_delta: false,
         };
-        let last_eye = AreaPdf::of_all_lanes(
-            sight.pdf_solid_angle * last.solid_angle_per_area_from(point.position),
-        );
+        let last_eye =
+            AreaPdf::of_all_lanes(sight.pdf_solid_angle * last.solid_angle_per_area_from(point.position));
         let asked = if s == 2 { self.asked_by(last, &end) } else { paths.asked };
         paths.gather(walker, s - 1, 0, None);
         paths.known[s - 2].eye = last_eye;
@@ -391,17 +380,13 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let sample = light.sample_towards(&walker.scene.geometry, point, u, walker.wavelengths)?;
         let drawn = probability * f64::from(sample.pdf_solid_angle);
         let asked = if sample.primitive.is_some() {
-            drawn
-                * solid_angle_per_area(
-                    point.position,
-                    sample.point.position,
-                    sample.point.normal,
-                )
+            drawn * solid_angle_per_area(point.position, sample.point.position, sample.point.normal)
         } else {
             drawn
         };
         let started = lights.probability_emitting(index) * light.pdf_area();
-        let source = Source { light, index, primitive: sample.primitive, point: sample.point, started, asked };
+        let source =
+            Source { light, index, primitive: sample.primitive, point: sample.point, started, asked };
         Some((source, sample.shadow_ray, sample.radiance * (1.0 / drawn) as f32))
     }
 

@@ -97,12 +97,7 @@ impl<'a> Walker<'a, '_> {
     }
 
     /// Begins a subpath at the eye: its first vertex, and where it goes.
-    pub fn from_eye(
-        &self,
-        eye: &Eye<'_>,
-        drawn: &EyeRay,
-        media: Media<'a>,
-    ) -> (Vertex<'a>, Heading<'a>) {
+    pub fn from_eye(&self, eye: &Eye<'_>, drawn: &EyeRay, media: Media<'a>) -> (Vertex<'a>, Heading<'a>) {
         let vertex = self.eye_vertex(eye, drawn.point, media);
         let heading =
             Heading::new(drawn.ray, Quantity::Radiance, eye.response(), drawn.pdf_solid_angle, media);
@@ -110,12 +105,14 @@ impl<'a> Walker<'a, '_> {
     }
 
     /// Begins a subpath at a light that was chosen with a probability.
-    pub fn from_light(&self, light: u32, probability: f64, emitted: &EmittedRay) -> (Vertex<'a>, Heading<'a>) {
-        let media = if self.plan.tracks_media {
-            Media::around(self.scene, emitted.ray.origin)
-        } else {
-            Media::NONE
-        };
+    pub fn from_light(
+        &self,
+        light: u32,
+        probability: f64,
+        emitted: &EmittedRay,
+    ) -> (Vertex<'a>, Heading<'a>) {
+        let media =
+            if self.plan.tracks_media { Media::around(self.scene, emitted.ray.origin) } else { Media::NONE };
         let lamp = self.scene.lights.get(light);
         let pdf_area = probability * lamp.pdf_area();
         let pdf_solid_angle = lamp.pdf_emission(emitted.point.normal, emitted.ray.direction);
@@ -162,8 +159,7 @@ impl<'a> Walker<'a, '_> {
             Quantity::Importance => (Stream::LightDirection, Stream::LightLobe),
         };
         let u = self.sampler.pair(direction, heading.bounce);
-        let u_lobe =
-            if surface.bsdf.transmits() { self.sampler.single(lobe, heading.bounce) } else { 0.0 };
+        let u_lobe = if surface.bsdf.transmits() { self.sampler.single(lobe, heading.bounce) } else { 0.0 };
         let wo = surface.shading.to_local(last.to_previous);
         let Some(drawn) = surface.bsdf.sample(wo, u_lobe, u, heading.quantity) else { return false };
         let direction = surface.shading.to_world(drawn.wi).normalize();
@@ -231,7 +227,13 @@ impl<'a> Walker<'a, '_> {
 }
 
 /// The vertex at an end.
-fn end<'a>(kind: Kind<'a>, point: SurfacePoint, forward: AreaPdf, is_delta: bool, media: Media<'a>) -> Vertex<'a> {
+fn end<'a>(
+    kind: Kind<'a>,
+    point: SurfacePoint,
+    forward: AreaPdf,
+    is_delta: bool,
+    media: Media<'a>,
+) -> Vertex<'a> {
     Vertex {
         point,
         kind,

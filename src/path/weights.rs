@@ -169,9 +169,9 @@ impl Made<'_> {
         let (light_side, eye_side) = (self.lanes_before(self.from_light), self.lanes_from(self.from_light));
         let lane_mean = D::relative(&light_side).times(D::relative(&eye_side)).mean();
         let own = lane_mean * lane_mean;
-        let others = self.fewer_from_light::<D>(strategies, &eye_side).and_then(|fewer| {
-            Some(fewer + self.more_from_light::<D>(strategies, &light_side)?)
-        });
+        let others = self
+            .fewer_from_light::<D>(strategies, &eye_side)
+            .and_then(|fewer| Some(fewer + self.more_from_light::<D>(strategies, &light_side)?));
         // An unlisted sum is beyond any number.
         let weight = others.map_or(0.0, |others| own / (own + others));
         Judged { weight, lane_mean }

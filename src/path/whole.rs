@@ -73,7 +73,13 @@ impl<'a, 'e> Whole<'a, 'e> {
 
     /// Scattering at a vertex from one neighbour to the other: value with the shading cosine
     /// towards `to`, and density; both in the measure of deltas where the vertex is one.
-    fn scattered(&self, from: usize, at: usize, to: usize, quantity: Quantity) -> Option<(Spectrum, Spectrum, f64)> {
+    fn scattered(
+        &self,
+        from: usize,
+        at: usize,
+        to: usize,
+        quantity: Quantity,
+    ) -> Option<(Spectrum, Spectrum, f64)> {
         let mut vertex = self.vertices[at];
         let surface = *vertex.surface()?;
         vertex.to_previous = self.direction(at, from);
@@ -92,9 +98,8 @@ impl<'a, 'e> Whole<'a, 'e> {
         if quantity == Quantity::Importance {
             value *= vertex.adjoint_factor(&surface, direction);
         }
-        (drawn.is_transmission == crosses).then(|| {
-            (value, drawn.pdf, f64::from(surface.bsdf.delta_measure(wi)))
-        })
+        (drawn.is_transmission == crosses)
+            .then(|| (value, drawn.pdf, f64::from(surface.bsdf.delta_measure(wi))))
     }
 
     /// Radiance times the eye's response along the path over its density in area: per lane.

@@ -337,7 +337,8 @@ pub(super) fn lights(
         }));
     }
     let weights: Vec<f64> = facts.iter().map(EmitterFacts::weight).collect();
-    Ok((objects, Lights::new(list.into_iter().zip(weights).collect()), facts))
+    let lights = Lights::new(&built.geometry, list.into_iter().zip(weights).collect());
+    Ok((objects, lights, facts))
 }
 
 fn resolve(

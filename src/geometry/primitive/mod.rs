@@ -17,7 +17,7 @@ pub use sphere::Sphere;
 pub use triangle::Triangle;
 
 use super::{Bounds, Meeting, PreciseRay, SurfacePoint};
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 
 /// A surface that is met as one piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +68,16 @@ impl Primitive {
     /// Surface area, in square scene units.
     pub fn area(&self) -> f32 {
         each!(self, inner => inner.area())
+    }
+
+    /// Unit normal of a flat surface; `None` for a curved one.
+    pub fn flat_normal(&self) -> Option<Vec3A> {
+        match self {
+            Self::Triangle(_) | Self::Parallelogram(_) | Self::Disk(_) => {
+                Some(self.sample_area([0.0; 2]).normal)
+            }
+            Self::Sphere(_) | Self::Cylinder(_) => None,
+        }
     }
 
     /// A point on the surface, uniform over its area (density 1/area), from two numbers
