@@ -2,7 +2,7 @@
 
 use super::LightSample;
 use crate::geometry::{Geometry, Hit, Primitive, Ray, SurfacePoint};
-use crate::spectrum::{Dense, Wavelengths};
+use crate::spectrum::{Emission, Wavelengths};
 use glam::Vec3A;
 
 /// A Lambertian emitter made of the primitives of one object.
@@ -12,13 +12,13 @@ pub struct AreaLight {
     primitives: Vec<(u32, f32)>,
     /// Area of one side in square scene units.
     area: f32,
-    radiance: Dense,
+    radiance: Emission,
     two_sided: bool,
 }
 
 impl AreaLight {
     /// A light from the primitives of an object; radiance in W sr^-1 m^-2 nm^-1.
-    pub fn new(geometry: &Geometry, object: u32, radiance: Dense, two_sided: bool) -> Self {
+    pub fn new(geometry: &Geometry, object: u32, radiance: Emission, two_sided: bool) -> Self {
         let areas: Vec<(u32, f64)> =
             geometry.primitives_of(object).map(|id| (id, f64::from(geometry.area_of(id)))).collect();
         let area: f64 = areas.iter().map(|(_, a)| a).sum();
@@ -34,7 +34,7 @@ impl AreaLight {
     }
 
     /// Spectral radiance of the shining sides.
-    pub const fn radiance(&self) -> &Dense {
+    pub const fn radiance(&self) -> &Emission {
         &self.radiance
     }
 

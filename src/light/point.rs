@@ -2,7 +2,7 @@
 
 use super::LightSample;
 use crate::geometry::SurfacePoint;
-use crate::spectrum::{Dense, Wavelengths};
+use crate::spectrum::{Emission, Wavelengths};
 use glam::Vec3A;
 
 /// How intensity depends on direction, relative to its largest value.
@@ -40,7 +40,7 @@ pub struct PointLight {
     pub distribution: Distribution,
     /// Largest intensity in W sr^-1 nm^-1, divided by the square of the metres per scene
     /// unit: over a squared distance in scene units it gives W m^-2 nm^-1.
-    pub intensity: Dense,
+    pub intensity: Emission,
 }
 
 impl PointLight {
