@@ -324,7 +324,7 @@ fn a_prism_parts_two_lines() {
     for (nm, _) in list {
         let away = bent(nm);
         let (x, z) = (5.0 * away.sin(), 0.5 * far + 5.0 * away.cos());
-        let lamp = json!({ "shape": { "sphere": { "center": [x, 0, z], "radius": 0.05 } }, "material": "black",
+        let lamp = json!({ "shape": { "sphere": { "center": [x, 0.1, z], "radius": 0.05 } }, "material": "black",
             "emission": { "spectrum": lines(&list), "level": { "spectral_radiance_factor": 1 } } });
         let materials = json!({ "black": { "lambertian": { "reflectance": 0 } }, "glass": { "dielectric": { "index": glass } } });
         let objects = json!([lamp, { "shape": wedge, "material": "glass" }]);
