@@ -76,7 +76,7 @@ fn a_shining_surface_of_lines_has_its_luminance() {
     let y = xyz_of_lines(&SODIUM)[1];
     for (level, truth) in [
         (json!({ "luminance_cd_m2": 250 }), 250.0),
-        (json!({ "flux_lm": 100 * 4 }), 400.0 / PI / (PI * 0.25)),
+        (json!({ "flux_lm": 400 }), 400.0 / PI / (PI * 0.25)),
         (json!({ "radiance": { "radiance_w_sr_m2": 6, "band_nm": [500, 600] } }), 2.0 * y),
         (json!({ "spectral_radiance_factor": 0.5 }), 0.5 * y),
     ] {
