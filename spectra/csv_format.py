@@ -12,6 +12,7 @@ COLUMNS = {
     "observer": ["wavelength_nm", "x", "y", "z"],
     "illuminant": ["wavelength_nm", "value"],
     "emission": ["wavelength_nm", "value"],
+    "lines": ["wavelength_nm", "power"],
     "reflectance": ["wavelength_nm", "value"],
     "transmission": ["wavelength_nm", "value"],
     "sensitivity": ["wavelength_nm", "r", "g", "b"],
@@ -23,6 +24,7 @@ QUANTITIES_OF_KIND = {
     "observer": {"observer"},
     "illuminant": {"illuminant"},
     "emission": {"emission"},
+    "line": {"lines"},
     "reflectance": {"reflectance"},
     "transmission": {"transmission"},
     "sensitivity": {"sensitivity"},
@@ -59,6 +61,8 @@ class CurveSet:
         """Distance between samples, as the provenance table prints it."""
         if self.quantity == "sellmeier":
             return "formula"
+        if self.quantity == "lines":
+            return f"{len(self.rows)} lines"
         steps = {round(b[0] - a[0], 6) for a, b in zip(self.rows, self.rows[1:])}
         return f"{steps.pop():g}" if len(steps) == 1 else "uneven"
 

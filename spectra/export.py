@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from by_hand.glasses import SELLMEIER, TABULATED
+from by_hand.lines import LINES
 from by_hand.metals import METALS
 from csv_format import Unsound, compose, parse
 from readme import provenance_table
@@ -156,9 +157,22 @@ def metals():
         yield f"metal/{name}.csv", compose(header, [row.split() for row in table.split(";")])
 
 
+def lines():
+    """Lamps made of spectral lines."""
+    for name, (title, source, conditions, rows) in LINES.items():
+        header = {
+            "title": title,
+            "quantity": "lines",
+            "unit": "relative power of each line",
+            "source": source,
+            "conditions": conditions,
+        }
+        yield f"line/{name}.csv", compose(header, rows)
+
+
 def made():
     """Path -> text of every file that this script makes, besides README.md."""
-    families = (observer, illuminants, cameras, colour_checker, glasses, metals)
+    families = (observer, illuminants, cameras, colour_checker, glasses, lines, metals)
     return {path: text for family in families for path, text in family()}
 
 

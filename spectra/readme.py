@@ -20,13 +20,14 @@ wavelength_nm,value
 |---|---|---|
 | observer | wavelength_nm,x,y,z | zero |
 | illuminant, emission | wavelength_nm,value | zero |
+| lines | wavelength_nm,power | nothing beside the lines |
 | reflectance, transmission | wavelength_nm,value | the end values go on |
 | sensitivity | wavelength_nm,r,g,b | zero |
 | refractive_index | wavelength_nm,n | an error |
 | complex_refractive_index | wavelength_nm,n,k | an error |
 | sellmeier | b,c_um2 | `# range_nm` says where the formula was measured |
 
-Between samples a table is linear. Single-letter CIE illuminants are `cie-a`, `cie-c`, `cie-e`; the others
+Between samples a table is linear; lines have no width, and their powers are relative to one another. Single-letter CIE illuminants are `cie-a`, `cie-c`, `cie-e`; the others
 carry their CIE name in lower case.
 
 `python spectra/export.py` writes this page and every file whose origin is *exported* (from colour-science,
@@ -40,6 +41,8 @@ Facts worth knowing before use:
 - `cornell-lamp` is published at four wavelengths on a relative scale; `yale-lamp` is the shape of the lamp's
   spectrum, read off a panel. The Stanford lamps are absolute readings, but the back wall of the box
   reads 0.80 to 0.94 of them, more than any wall beside so small a lamp: take them as shapes too.
+- The lamps of lines hold the lines alone, without the gas that starts them. Mercury's powers are the
+  intensities of NIST's compilation, which are no radiometric measurement.
 - `google-pixel-4a` is a quantum efficiency, a response per photon. The other sensitivities are per power.
 - The Cornell filters and lens are read from a plot, +-0.003. Values of 0.0110 stand where the curve was
   hidden at the plot's floor: they bound the leak and do not measure it.
@@ -55,7 +58,7 @@ def origin(path, made_paths):
     """Exported, entered or measured: who may change the file."""
     if path not in made_paths:
         return "measured"
-    return "entered" if path.split("/")[0] in ("glass", "metal") else "exported"
+    return "entered" if path.split("/")[0] in ("glass", "line", "metal") else "exported"
 
 
 def provenance_table(curves, made_paths):

@@ -142,6 +142,17 @@ faults! {
     spectra_in_a_circle: ":7:22", "/spectra/b/scaled/spectrum", "in a circle: \"a\", \"b\", \"a\"", "let one of them be";
     spectrum_named_by_itself: ":5:5", "/spectra/grey", "in a circle: \"grey\", \"grey\"", "let one of them be";
     spectrum_unused_and_wrong: ":6:25", "/spectra/idle/scaled/spectrum", "unknown spectrum \"nosuch\"", "";
+    lines_negative: ":15:76", "/objects/0/emission/spectrum/lines/lines/0/power", "the line at 589 nm has a power of -2", "from 0 up";
+    lines_scaled_negative: ":15:20", "/objects/0/emission/spectrum", "an emission of -2 is negative", "from 0 up";
+    lines_twice: ":15:90", "/objects/0/emission/spectrum/lines/lines/1/wavelength_nm", "the line at 589 nm stands twice", "sum of its powers";
+    lines_at_0_nm: ":15:54", "/objects/0/emission/spectrum/lines/lines/0/wavelength_nm", "a line at 0 nm", "above 0, in nm";
+    lines_none: ":15:43", "/objects/0/emission/spectrum/lines/lines", "the list holds no line", "at least one";
+    lines_without_power: ":15:53", "/objects/0/emission/spectrum/lines/lines/0", "the key \"power\" is missing", "add it";
+    lines_misspelt: ":15:54", "/objects/0/emission/spectrum/lines/lines/0", "unknown key \"wavelenght_nm\"", "did you mean \"wavelength_nm\"?";
+    lines_on_lines: ":15:43", "/objects/0/emission/spectrum/lines/continuum", "the continuum has lines itself", "into one list";
+    lines_in_a_circle: ":5:24", "/spectra/grey/lines/continuum", "in a circle: \"grey\", \"grey\"", "let one of them be";
+    lines_invisible: ":15:105", "/objects/0/emission/level/flux_lm", "no visible light", "radiant_power";
+    lines_as_reflectance: ":8:30", "/materials/white/lambertian/reflectance", "spectral lines where no light is given off", "belong in an emission";
     sellmeier_pole: ":8:30", "/materials/white/dielectric/index", "pole at 550.00 nm", "check the unit";
     sellmeier_negative_square: ":8:30", "/materials/white/dielectric/index", "the refractive index at 360 nm is NaN", "check the coefficients";
     sellmeier_unequal: ":8:71", "/materials/white/dielectric/index/sellmeier/c_um2", "2 coefficients b but 1 c_um2", "one c_um2 for each b";
@@ -571,7 +582,7 @@ fn spectra_of_every_kind_are_listed() {
     let listed: BTreeSet<String> =
         list.lines().filter_map(|line| line.split_whitespace().next()).map(str::to_owned).collect();
     assert_eq!(listed, kinds);
-    for name in ["d65", "cornell-white", "gold", "n-bk7", "cornell-lamp"] {
+    for name in ["d65", "cornell-white", "gold", "n-bk7", "cornell-lamp", "sodium-low-pressure"] {
         assert!(list.lines().any(|line| line.split_whitespace().nth(1) == Some(name)), "{name}");
     }
 }

@@ -1,11 +1,9 @@
 //! Colours, lamps and indices against figures that colour-science computed
 //! (`tests/oracle/colour_science.py`).
 
-use etalon::spectrum::colour::{
-    CIE_1931, chromaticity_of, colour_temperature, efficacy_lm_per_w, xyz_of_grid,
-};
+use etalon::spectrum::colour::{CIE_1931, chromaticity_of, colour_temperature, xyz_of_grid};
 use etalon::spectrum::library::{self, Purpose};
-use etalon::spectrum::{C_NM, Curve, D_NM, F_NM, grid_nm};
+use etalon::spectrum::{C_NM, Curve, D_NM, F_NM, LampSpectrum, grid_nm};
 use etalon::units::Kelvin;
 use serde_json::Value;
 
@@ -44,7 +42,9 @@ fn every_built_in_lamp_has_the_colour_that_colour_science_gives_it() {
         let shape = curve.shape(grid_nm());
         let sum: f64 = shape.iter().sum();
         let ends = 0.5 * (shape[0] + shape[shape.len() - 1]);
-        let efficacy = efficacy_lm_per_w(&curve).expect("a lamp shines") * (sum - ends) / sum;
+        let efficacy = LampSpectrum::from(curve.clone()).efficacy_lm_per_w().expect("a lamp shines")
+            * (sum - ends)
+            / sum;
         let expected = number(truth, "luminous_efficacy_lm_per_w");
         near(&format!("{} lm/W", entry.name), efficacy, expected, 1e-4 * expected);
         let found = chromaticity_of(&curve).and_then(colour_temperature);

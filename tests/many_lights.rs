@@ -3,14 +3,14 @@
 
 mod common;
 
-use common::{assert_reads, metered};
+use common::{assert_reads, instrument_plan, metered};
 use etalon::camera::{CIE_SENSOR, Sensor};
 use etalon::geometry::{GeometryBuilder, SurfacePoint};
-use etalon::integrator::read_meters;
+use etalon::integrator::{Integrator, read_meters};
 use etalon::light::{Distribution, Light, Lights, PointLight};
 use etalon::sampler::mix;
-use etalon::scene::{MeterKind, Plan, Scene};
-use etalon::spectrum::{Dense, Wavelengths};
+use etalon::scene::{MeterKind, Scene};
+use etalon::spectrum::{Dense, Emission, Wavelengths};
 use glam::{DVec3, Vec3A};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -144,7 +144,7 @@ fn meters_under_a_thousand_lamps_read_the_sum_of_all() {
     let (columns, rows, places) = (40, 25, places());
     let scene = room(columns, rows, &places);
     assert_eq!(scene.lights.len(), 1000);
-    for (reading, place) in read_meters(&scene, 1 << 18, 1).iter().zip(&places) {
+    for (reading, place) in read_meters(&scene, Integrator::Path, 1 << 18, 1).iter().zip(&places) {
         let truth: f64 = (0..columns * rows)
             .map(|index| illuminance_of(&lamp(index), lamp_position(index, columns), place))
             .sum();
@@ -156,7 +156,8 @@ fn meters_under_a_thousand_lamps_read_the_sum_of_all() {
 fn scatter(scene: &Scene, place: usize, choose: impl Fn(Vec3A, f64) -> Option<(u32, f64)>) -> (f64, f64) {
     const SAMPLES: u32 = 200_000;
     let MeterKind::Illuminance(point) = scene.meters[place].kind else { unreachable!("all meters are") };
-    let wavelengths = Plan::of(scene, &Sensor::named(CIE_SENSOR).expect("built in")).wavelengths.sample(0.5);
+    let wavelengths =
+        instrument_plan(scene, &Sensor::named(CIE_SENSOR).expect("built in")).wavelengths.sample(0.5);
     let (mut state, mut sum, mut squares) = (7, 0.0, 0.0);
     for _ in 0..SAMPLES {
         let (index, probability) = choose(point.position, uniform(&mut state)).expect("lamps shine");
@@ -245,7 +246,8 @@ fn what_choosing_costs_and_saves() {
             let [position, axis] =
                 [0; 2].map(|_| Vec3A::from_array([0; 3].map(|_| uniform(&mut state) as f32 - 0.5)));
             let distribution = Distribution::Cosine(axis.normalize());
-            let light = PointLight { position, distribution, intensity: Dense::Flat(1.0) };
+            let light =
+                PointLight { position, distribution, intensity: Emission::new(Dense::Flat(1.0), vec![]) };
             (Light::Point(light), uniform(&mut state))
         })
         .collect();

@@ -106,10 +106,10 @@ impl Sensor {
     }
 
     /// What each channel records of a path's radiance: the mean over its lanes of radiance
-    /// times response over density.
+    /// times response over density, or over probability for a lane on a line.
     #[inline]
     pub fn record(&self, radiance: Spectrum, wavelengths: &Wavelengths, mut put: impl FnMut(usize, f64)) {
-        let per_density = radiance / wavelengths.pdf_per_nm;
+        let per_density = radiance / wavelengths.density;
         for (index, channel) in self.channels.iter().enumerate() {
             put(index, f64::from((per_density * channel.response.at(wavelengths)).mean()));
         }

@@ -5,11 +5,10 @@ use clap::Args;
 use etalon::error::{Error, Result};
 use etalon::python::Environment;
 use etalon::spectrum::colour::{
-    adapt, chromaticity_of, colour_temperature, efficacy_lm_per_w, srgb_encode, xyz_of, xyz_of_grid,
-    xyz_to_linear_srgb,
+    adapt, colour_temperature, srgb_encode, xy_of, xyz_of, xyz_of_grid, xyz_to_linear_srgb,
 };
 use etalon::spectrum::library::{self, Entry, Purpose};
-use etalon::spectrum::{Curve, D_NM, grid_nm};
+use etalon::spectrum::{Curve, D_NM, LampSpectrum, grid_nm};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -63,10 +62,13 @@ fn describe(entry: &Entry) -> Result<Vec<String>> {
     if table.columns[0] == "wavelength_nm" {
         let wavelengths = table.wavelengths_nm()?;
         let (first, last) = (wavelengths[0], wavelengths[wavelengths.len() - 1]);
-        lines.push(format!("range      {first} to {last} nm, {} points", wavelengths.len()));
+        let what = if entry.kind == "line" { "lines" } else { "points" };
+        lines.push(format!("range      {first} to {last} nm, {} {what}", wavelengths.len()));
     }
     match entry.kind {
-        "illuminant" | "emission" => lines.extend(of_lamp(&library::curve(&table, None, Purpose::Emission)?)),
+        "illuminant" | "emission" | "line" => {
+            lines.extend(of_lamp(&library::light(&table, None, Purpose::Emission)?));
+        }
         "reflectance" | "transmission" => {
             lines.extend(under_equal_energy(&library::curve(&table, None, Purpose::Reflectance)?));
         }
@@ -83,14 +85,14 @@ fn describe(entry: &Entry) -> Result<Vec<String>> {
     Ok(lines)
 }
 
-fn of_lamp(curve: &Curve) -> Vec<String> {
-    let Some(xy) = chromaticity_of(curve) else { return vec!["colour     black".to_owned()] };
+fn of_lamp(lamp: &LampSpectrum) -> Vec<String> {
+    let Some(xy) = xy_of(lamp.xyz_of_shape()) else { return vec!["colour     black".to_owned()] };
     let mut lines = vec![format!("colour     xy ({:.6}, {:.6})", xy[0], xy[1])];
     match colour_temperature(xy) {
         Some(cct) => lines.push(format!("CCT        {:.1} K, Duv {:+.5}", cct.kelvin.0, cct.duv)),
         None => lines.push("CCT        not defined: too far from the Planckian locus".to_owned()),
     }
-    if let Some(efficacy) = efficacy_lm_per_w(curve) {
+    if let Some(efficacy) = lamp.efficacy_lm_per_w() {
         lines.push(format!("efficacy   {efficacy:.3} lm per radiant watt (360-830 nm)"));
     }
     lines

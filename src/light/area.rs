@@ -4,7 +4,7 @@ use super::cluster::Cluster;
 use super::cone::Cone;
 use super::{EmittedRay, LightSample};
 use crate::geometry::{Bounds, Frame, Geometry, Primitive, SurfacePoint};
-use crate::spectrum::{Dense, Wavelengths};
+use crate::spectrum::{Emission, Wavelengths};
 use glam::{DVec3, Vec3A};
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ pub struct AreaLight {
     primitives: Vec<(u32, f32)>,
     /// Area of one side in square scene units.
     area: f32,
-    radiance: Dense,
+    radiance: Emission,
     two_sided: bool,
 }
 
@@ -24,7 +24,7 @@ const SEEN_OF_CLOSED: f64 = 0.25;
 
 impl AreaLight {
     /// A light from the primitives of an object; radiance in W sr^-1 m^-2 nm^-1.
-    pub fn new(geometry: &Geometry, object: u32, radiance: Dense, two_sided: bool) -> Self {
+    pub fn new(geometry: &Geometry, object: u32, radiance: Emission, two_sided: bool) -> Self {
         let areas: Vec<(u32, f64)> =
             geometry.primitives_of(object).map(|id| (id, f64::from(geometry.area_of(id)))).collect();
         let area: f64 = areas.iter().map(|(_, a)| a).sum();
@@ -40,7 +40,7 @@ impl AreaLight {
     }
 
     /// Spectral radiance of the shining sides.
-    pub const fn radiance(&self) -> &Dense {
+    pub const fn radiance(&self) -> &Emission {
         &self.radiance
     }
 

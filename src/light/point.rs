@@ -4,7 +4,7 @@ use super::cluster::Cluster;
 use super::cone::Cone;
 use super::{EmittedRay, LightSample};
 use crate::geometry::{Bounds, SurfacePoint};
-use crate::spectrum::{Dense, Wavelengths};
+use crate::spectrum::{Emission, Wavelengths};
 use glam::{DVec3, Vec3A};
 use std::f64::consts::{PI, TAU};
 
@@ -56,7 +56,7 @@ pub struct PointLight {
     pub distribution: Distribution,
     /// Largest intensity in W sr^-1 nm^-1, divided by the square of the metres per scene
     /// unit: over a squared distance in scene units it gives W m^-2 nm^-1.
-    pub intensity: Dense,
+    pub intensity: Emission,
 }
 
 impl PointLight {

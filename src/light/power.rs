@@ -3,11 +3,12 @@
 //! Every level is one equation between the spectrum's shape S, the emitter's constant G
 //! (flux = G times radiance or intensity) and the number given. Lumens count 683 lm/W
 //! weighted with the photopic curve; watts count within the band that stands beside them.
+//! A line counts in full wherever its wavelength does.
 
 use crate::error::{Error, Result};
 use crate::scene::file::{BandFile, LevelFile};
-use crate::spectrum::colour::{self, ColourTemperature, Xyz, xyz_of_grid};
-use crate::spectrum::{Curve, Dense, FIRST_NM, LAST_NM, grid_nm};
+use crate::spectrum::colour::{self, ColourTemperature, Xyz};
+use crate::spectrum::{Dense, Emission, LampSpectrum};
 use crate::units::{Candelas, CandelasPerSquareMeter, Lumens, Watts};
 use std::f64::consts::PI;
 
@@ -51,27 +52,46 @@ pub struct EmitterFacts {
     pub colour_temperature: Option<ColourTemperature>,
 }
 
-/// Spectral radiance (surface) or largest intensity (point) at the grid points, per nm.
-pub fn resolve(spectrum: &Curve, level: &LevelFile, shape: EmitterShape) -> Result<Dense> {
+/// Radiance (surface) or largest intensity (point): per nm at the grid points, and of each line.
+///
+/// The lines' wavelengths join the scene's list where they are new to it; those outside 360 to
+/// 830 nm are counted in the level and left out here.
+pub fn resolve(
+    spectrum: &LampSpectrum,
+    level: &LevelFile,
+    shape: EmitterShape,
+    lines_nm: &mut Vec<f64>,
+) -> Result<Emission> {
     let factor = factor_of(spectrum, level, shape)?;
     let values = match level {
         // Photometric levels fix the level by shape alone, however cold the body.
         LevelFile::FluxLm(_)
         | LevelFile::ElectricalPower { .. }
         | LevelFile::IntensityCd(_)
-        | LevelFile::LuminanceCdM2(_) => spectrum.shape(grid_nm()),
-        _ => grid_nm().map(|nm| spectrum.on_grid(nm)).collect(),
+        | LevelFile::LuminanceCdM2(_) => spectrum.shape(),
+        _ => spectrum.on_grid(),
     };
-    let radiance: Vec<f32> = values.iter().map(|v| (v * factor) as f32).collect();
-    if radiance.iter().any(|v| !v.is_finite()) {
-        return Err(
+    let held = |value: f64| {
+        let value = (value * factor) as f32;
+        value.is_finite().then_some(value).ok_or_else(|| {
             Error::new("this emitter is too bright for 32-bit numbers").hint("check the unit of the level")
-        );
-    }
-    Ok(Dense::from_values(&radiance))
+        })
+    };
+    let radiance: Vec<f32> = values.into_iter().map(held).collect::<Result<_>>()?;
+    let lines = spectrum.visible_lines().map(|line| Ok((place_of(line.nm, lines_nm), held(line.power)?)));
+    Ok(Emission::new(Dense::from_values(&radiance), lines.collect::<Result<_>>()?))
 }
 
-fn factor_of(spectrum: &Curve, level: &LevelFile, shape: EmitterShape) -> Result<f64> {
+/// The place of a wavelength in the scene's list of lines, at its end if it is new.
+fn place_of(nm: f64, lines_nm: &mut Vec<f64>) -> u32 {
+    let place = lines_nm.iter().position(|known| *known == nm).unwrap_or_else(|| {
+        lines_nm.push(nm);
+        lines_nm.len() - 1
+    });
+    place as u32
+}
+
+fn factor_of(spectrum: &LampSpectrum, level: &LevelFile, shape: EmitterShape) -> Result<f64> {
     let needs_surface = |key: &str| {
         Error::new(format!("{key} describes a surface, and a point light has none"))
             .hint("give flux_lm, intensity_cd or a power")
@@ -122,8 +142,8 @@ fn flux_constant(shape: EmitterShape) -> f64 {
     }
 }
 
-fn luminance_of_shape(spectrum: &Curve) -> Result<f64> {
-    let luminance = xyz_of_grid(&spectrum.shape(grid_nm()))[1];
+fn luminance_of_shape(spectrum: &LampSpectrum) -> Result<f64> {
+    let luminance = spectrum.xyz_of_shape()[1];
     if luminance > 0.0 {
         return Ok(luminance);
     }
@@ -131,7 +151,7 @@ fn luminance_of_shape(spectrum: &Curve) -> Result<f64> {
         .hint("give radiant_power or radiance with its band"))
 }
 
-fn in_band(spectrum: &Curve, band: BandFile) -> Result<f64> {
+fn in_band(spectrum: &LampSpectrum, band: BandFile) -> Result<f64> {
     let integral = match band {
         BandFile::Range([from, to]) if from > 0.0 && to > from && to.is_finite() => {
             spectrum.integral(from, to)
@@ -153,13 +173,10 @@ fn in_band(spectrum: &Curve, band: BandFile) -> Result<f64> {
 
 impl EmitterFacts {
     /// The numbers of an emitter with this radiance or intensity (per metre and metre
-    /// squared, before any change of the length unit).
-    pub fn new(name: String, shape: EmitterShape, emission: &Dense) -> Self {
-        let values: Vec<f64> = (0..grid_nm().len()).map(|i| f64::from(emission.at_grid_point(i))).collect();
-        let xyz = xyz_of_grid(&values);
-        // The trapezoid rule over the grid.
-        let band = values.iter().sum::<f64>() - 0.5 * (values[0] + values[values.len() - 1]);
-        debug_assert!((LAST_NM - FIRST_NM) as usize + 1 == values.len());
+    /// squared, before any change of the length unit); `lines_nm` is the scene's list of lines.
+    pub fn new(name: String, shape: EmitterShape, emission: &Emission, lines_nm: &[f64]) -> Self {
+        let xyz = emission.xyz(lines_nm);
+        let band = emission.integral();
         let chromaticity = colour::xy_of(xyz);
         let (luminance, intensity) = match shape {
             EmitterShape::Surface { seen_area_m2, .. } => (Some(xyz[1]), seen_area_m2.map(|a| a * xyz[1])),

@@ -32,7 +32,9 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
     let metres_per_unit = stage.geometry.metres_per_unit();
     let (materials, indices) = materials(file, &mut spectra, metres_per_unit)?;
     let objects = super::objects::describe(&file.objects, &indices);
-    let (objects, lights, emitters) = super::objects::lights(file, &stage, objects, &mut spectra)?;
+    let mut lines_nm = Vec::new();
+    let (objects, lights, emitters) =
+        super::objects::lights(file, &stage, objects, &mut spectra, &mut lines_nm)?;
     let meters = super::objects::meters(file, &stage)?;
     let view = match &file.camera {
         Some(camera) => Some(view::build(camera, &stage, &mut spectra).map_err(|e| e.under("camera"))?),
@@ -53,6 +55,7 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
         objects,
         lights,
         emitters,
+        lines_nm,
         view,
         meters,
         notes: spectra.remarks(),

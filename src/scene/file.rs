@@ -10,7 +10,8 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 pub use super::file_spectrum::{
-    IndexDescription, IndexFile, MetalFile, SensorDescription, SensorFile, SpectrumDescription, SpectrumFile,
+    IndexDescription, IndexFile, LineFile, MetalFile, SensorDescription, SensorFile, SpectrumDescription,
+    SpectrumFile,
 };
 
 /// A point or direction: x, y, z.

@@ -48,6 +48,15 @@ pub enum SpectrumDescription {
         #[serde(default = "one")]
         factor: f64,
     },
+    /// Spectral lines, narrower than anything else that matters, and perhaps a continuum
+    /// beneath them. Light only: lamps and white balance.
+    Lines {
+        /// The lines, in any order.
+        lines: Vec<LineFile>,
+        /// The continuum, itself without lines. Default none.
+        #[serde(default)]
+        continuum: Option<Box<SpectrumFile>>,
+    },
     /// Another spectrum times a factor.
     Scaled {
         /// The other spectrum.
@@ -55,6 +64,18 @@ pub enum SpectrumDescription {
         /// The factor.
         factor: f64,
     },
+}
+
+/// A spectral line.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LineFile {
+    /// Wavelength in nm, in air as the other tables. Outside 360 to 830 nm a line counts in
+    /// radiant levels whose band holds it, and is not rendered.
+    pub wavelength_nm: f64,
+    /// Power: the line's integral over wavelength, in the continuum's unit times nm. It weighs
+    /// as much as a continuum of this value over 1 nm.
+    pub power: f64,
 }
 
 const fn one() -> f64 {

@@ -39,6 +39,9 @@ pub struct Scene {
     pub lights: Lights,
     /// The lights in numbers, in the order of `lights`.
     pub emitters: Vec<EmitterFacts>,
+    /// Wavelengths in nm of all spectral lines that lamps give off, each once: the list that
+    /// [`crate::spectrum::Emission`] and [`crate::spectrum::Wavelengths`] count lines in.
+    pub lines_nm: Vec<f64>,
     /// The camera, if the scene has one.
     pub view: Option<View>,
     /// Illuminance and luminance meters.

@@ -13,6 +13,7 @@ use crate::geometry::{
 };
 use crate::light::power::{self, EmitterShape};
 use crate::light::{AreaLight, Distribution, EmitterFacts, Light, Lights, PointLight};
+use crate::spectrum::Emission;
 use glam::{DVec3, Vec3A};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -292,12 +293,14 @@ pub(super) fn describe(objects: &[ObjectFile], materials: &BTreeMap<&str, u32>) 
         .collect()
 }
 
-/// All lights: those of objects first, in their order, then those without a surface.
+/// All lights: those of objects first, in their order, then those without a surface. Their
+/// lines join `lines_nm`.
 pub(super) fn lights(
     file: &SceneFile,
     built: &Built,
     mut objects: Vec<SceneObject>,
     spectra: &mut Spectra<'_>,
+    lines_nm: &mut Vec<f64>,
 ) -> Result<(Vec<SceneObject>, Lights, Vec<EmitterFacts>)> {
     let mut list = Vec::new();
     let mut facts = Vec::new();
@@ -305,9 +308,9 @@ pub(super) fn lights(
         let Some(emission) = &described.emission else { continue };
         let at = |e: Error| e.under("emission").under(index).under("objects");
         let shape = surface_shape(&built.geometry, index as u32, emission.two_sided);
-        let radiance = resolve(emission, shape, spectra).map_err(at)?;
+        let radiance = resolve(emission, shape, spectra, lines_nm).map_err(at)?;
         object.light = Some(list.len() as u32);
-        facts.push(EmitterFacts::new(object.name.clone(), shape, &radiance));
+        facts.push(EmitterFacts::new(object.name.clone(), shape, &radiance, lines_nm));
         list.push(Light::Area(AreaLight::new(&built.geometry, index as u32, radiance, emission.two_sided)));
     }
     for (index, light) in file.lights.iter().enumerate() {
@@ -328,8 +331,8 @@ pub(super) fn lights(
                 .under("emission")));
         }
         let shape = EmitterShape::Point { solid_angle_sr: distribution.solid_angle_sr() };
-        let intensity = resolve(emission, shape, spectra).map_err(|e| at(e.under("emission")))?;
-        facts.push(EmitterFacts::new(format!("point light {index}"), shape, &intensity));
+        let intensity = resolve(emission, shape, spectra, lines_nm).map_err(|e| at(e.under("emission")))?;
+        facts.push(EmitterFacts::new(format!("point light {index}"), shape, &intensity, lines_nm));
         list.push(Light::Point(PointLight {
             position: built.position(*position, "position").map_err(at)?.as_vec3a(),
             distribution,
@@ -345,7 +348,8 @@ fn resolve(
     emission: &EmissionFile,
     shape: EmitterShape,
     spectra: &mut Spectra<'_>,
-) -> Result<crate::spectrum::Dense> {
+    lines_nm: &mut Vec<f64>,
+) -> Result<Emission> {
     let spectrum = spectra.emission(&emission.spectrum).map_err(|e| e.under("spectrum"))?;
     let level = &emission.level;
     let kind = level.key();
@@ -360,7 +364,7 @@ fn resolve(
             .hint("give two rising wavelengths, such as [360, 830]")
             .under("band_nm")));
     }
-    power::resolve(&spectrum, level, shape).map_err(at)
+    power::resolve(&spectrum, level, shape, lines_nm).map_err(at)
 }
 
 /// Area in square metres, and area as seen along the axis where the shape has one.

@@ -5,12 +5,12 @@ use crate::camera::Sensor;
 use crate::light::Light;
 use crate::material::Material;
 use crate::path::Strategies;
-use crate::spectrum::{GRID_POINTS, WavelengthSampler};
+use crate::spectrum::{GRID_POINTS, WavelengthSampler, between_grid_points};
 
 /// How a scene is to be rendered.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Density of the wavelengths that paths carry.
+    /// Distribution of the wavelengths that paths carry.
     pub wavelengths: WavelengthSampler,
     /// The strategies that are used.
     pub strategies: Strategies,
@@ -58,33 +58,48 @@ fn has_point_lights(scene: &Scene) -> bool {
     (0..scene.lights.len()).any(|index| matches!(scene.lights.get(index as u32), Light::Point(_)))
 }
 
-/// Wavelengths in proportion to what sensors and lamps make of them; nothing where no
-/// sensor responds or no lamp shines.
+/// Wavelengths in proportion to what sensors and lamps make of them, lines among them;
+/// nothing where no sensor responds or no lamp shines.
 fn wavelengths(scene: &Scene, sensor: &Sensor, reasons: &mut Vec<String>) -> WavelengthSampler {
     let attention = sensor.attention();
-    let mut emission = vec![0.0; GRID_POINTS];
+    let (mut continuum, mut lines) = (vec![0.0; GRID_POINTS], vec![0.0; scene.lines_nm.len()]);
     for index in 0..scene.lights.len() {
-        let curve = match scene.lights.get(index as u32) {
+        let emission = match scene.lights.get(index as u32) {
             Light::Point(light) => &light.intensity,
             Light::Area(light) => light.radiance(),
         };
-        let weight = scene.emitters[index].weight();
-        let values: Vec<f64> = (0..GRID_POINTS).map(|i| f64::from(curve.at_grid_point(i))).collect();
-        let total: f64 = values.iter().sum();
+        let values: Vec<f64> = emission.at_grid_points().collect();
+        let total: f64 = values.iter().sum::<f64>() + emission.lines().map(|(_, power)| power).sum::<f64>();
         if total > 0.0 {
             // A lamp that the sensors hardly see still counts a little.
-            let weight = weight.max(f64::MIN_POSITIVE) / total;
-            emission.iter_mut().zip(values).for_each(|(sum, v)| *sum += weight * v);
+            let weight = scene.emitters[index].weight().max(f64::MIN_POSITIVE) / total;
+            continuum.iter_mut().zip(values).for_each(|(sum, v)| *sum += weight * v);
+            emission.lines().for_each(|(line, power)| lines[line as usize] += weight * power);
         }
     }
-    let product: Vec<f64> = attention.iter().zip(&emission).map(|(a, e)| a * e).collect();
-    if let Some(sampler) = WavelengthSampler::proportional_to(&product) {
-        let lit: Vec<usize> = (0..GRID_POINTS).filter(|&i| product[i] > 0.0).collect();
-        let (first, last) = (360 + lit[0], 360 + lit[lit.len() - 1]);
-        reasons.push(format!(
-            "wavelengths from {first} to {last} nm, drawn as sensor and lamps weigh them: elsewhere nothing shines or nothing responds"
-        ));
-        return sampler;
-    }
-    WavelengthSampler::even()
+    continuum.iter_mut().zip(&attention).for_each(|(weight, a)| *weight *= a);
+    let attended = |(nm, weight): (&f64, f64)| (*nm, weight * between_grid_points(&attention, *nm));
+    let lines: Vec<(f64, f64)> = scene.lines_nm.iter().zip(lines).map(attended).collect();
+    let Some(sampler) = WavelengthSampler::mixture(&continuum, &lines) else {
+        return WavelengthSampler::even();
+    };
+    reasons.extend(continuum_drawn(&continuum));
+    reasons.extend(lines_drawn(&lines));
+    sampler
+}
+
+fn continuum_drawn(weights: &[f64]) -> Option<String> {
+    let first = 360 + weights.iter().position(|w| *w > 0.0)?;
+    let last = 360 + weights.iter().rposition(|w| *w > 0.0)?;
+    Some(format!(
+        "wavelengths from {first} to {last} nm, drawn as sensor and lamps weigh them: elsewhere nothing shines or nothing responds"
+    ))
+}
+
+fn lines_drawn(lines: &[(f64, f64)]) -> Option<String> {
+    let count = lines.iter().filter(|(_, weight)| *weight > 0.0).count();
+    (count > 0).then(|| {
+        let lines = if count == 1 { "spectral line" } else { "spectral lines" };
+        format!("{count} {lines}: drawn each by itself, at its wavelength exactly")
+    })
 }

@@ -1,10 +1,12 @@
 //! Names, files and formulas of a scene's spectra, resolved to curves.
 
-use super::file::{IndexDescription, IndexFile, MetalFile, SpectrumDescription, SpectrumFile};
+use super::file::{IndexDescription, IndexFile, LineFile, MetalFile, SpectrumDescription, SpectrumFile};
 use crate::camera::uncovered_share;
 use crate::error::{Error, Result};
 use crate::spectrum::library::{self, Purpose};
-use crate::spectrum::{CsvTable, Curve, Dense, FIRST_NM, LAST_NM, Outside, RefractiveIndex, Table, grid_nm};
+use crate::spectrum::{
+    CsvTable, Curve, Dense, FIRST_NM, LAST_NM, LampSpectrum, Line, Outside, RefractiveIndex, Table, grid_nm,
+};
 use crate::units::Kelvin;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -32,11 +34,16 @@ impl<'a> Spectra<'a> {
         Self { folder, own, notes: Vec::new(), coverage: BTreeMap::new(), files_read: Vec::new() }
     }
 
-    /// A curve for a purpose, with a note where a table leaves part of the eye's response
+    /// Something that surfaces and media have: a curve without lines.
+    fn curve(&mut self, spectrum: &SpectrumFile) -> Result<Curve> {
+        without_lines(self.light(spectrum, Purpose::Reflectance)?)
+    }
+
+    /// A spectrum for a purpose, with a note where a table leaves part of the eye's response
     /// uncovered.
-    pub fn curve(&mut self, spectrum: &SpectrumFile, purpose: Purpose) -> Result<Curve> {
-        let curve = self.resolve(spectrum, purpose, 0)?;
-        if let Some(range) = curve.range_nm() {
+    fn light(&mut self, spectrum: &SpectrumFile, purpose: Purpose) -> Result<LampSpectrum> {
+        let light = self.resolve(spectrum, purpose, 0)?;
+        if let Some(range) = light.continuum().range_nm() {
             let share = uncovered_share(range);
             if share > 1e-6 {
                 let rule = match purpose {
@@ -59,17 +66,17 @@ impl<'a> Spectra<'a> {
                 }
             }
         }
-        Ok(curve)
+        Ok(light)
     }
 
     /// Reads a spectrum for its faults alone.
     fn check(&self, spectrum: &SpectrumFile) -> Result<()> {
-        Self::new(self.folder, self.own).curve(spectrum, Purpose::Emission).map(|_| ())
+        Self::new(self.folder, self.own).light(spectrum, Purpose::Emission).map(|_| ())
     }
 
     /// A reflectance: 0 to 1 everywhere.
     pub fn reflectance(&mut self, spectrum: &SpectrumFile) -> Result<Dense> {
-        let curve = self.curve(spectrum, Purpose::Reflectance)?;
+        let curve = self.curve(spectrum)?;
         let (low, high) = curve.extremes();
         if low < 0.0 {
             return Err(Error::new(format!("a reflectance of {low} is negative")).hint(
@@ -85,21 +92,29 @@ impl<'a> Spectra<'a> {
 
     /// Something that is not negative: an absorption coefficient, part of a metal's index.
     pub fn not_negative(&mut self, spectrum: &SpectrumFile, what: &str) -> Result<Dense> {
-        let curve = self.curve(spectrum, Purpose::Reflectance)?;
+        let curve = self.curve(spectrum)?;
         check_extremes(&curve, what, LARGEST)?;
         Ok(Dense::from_fn(|nm| curve.at(nm)))
     }
 
     /// The shape of an emission: not negative.
-    pub fn emission(&mut self, spectrum: &SpectrumFile) -> Result<Curve> {
-        let curve = self.curve(spectrum, Purpose::Emission)?;
-        check_extremes(&curve, "an emission", f64::MAX)?;
-        Ok(curve)
+    pub fn emission(&mut self, spectrum: &SpectrumFile) -> Result<LampSpectrum> {
+        let light = self.light(spectrum, Purpose::Emission)?;
+        check_extremes(light.continuum(), "an emission", f64::MAX)?;
+        for Line { nm, power } in light.lines() {
+            check_extremes(&Curve::Constant(*power), "an emission", f64::MAX)?;
+            if !(FIRST_NM..=LAST_NM).contains(nm) {
+                self.note(format!(
+                    "the line at {nm} nm lies outside {FIRST_NM} to {LAST_NM} nm: it counts in radiant levels whose band holds it, and is not rendered"
+                ));
+            }
+        }
+        Ok(light)
     }
 
     /// One part of a metal's index, which must be known wherever transport looks.
     fn index_part(&mut self, spectrum: &SpectrumFile, what: &str) -> Result<Dense> {
-        let range = self.resolve(spectrum, Purpose::Reflectance, 0)?.range_nm();
+        let range = self.resolve(spectrum, Purpose::Reflectance, 0)?.continuum().range_nm();
         if let Some((first, last)) = range.filter(|(first, last)| *first > FIRST_NM || *last < LAST_NM) {
             return Err(Error::new(format!("the refractive index is known from {first} to {last} nm only"))
                 .hint("an index cannot be continued; use a table that covers 360 to 830 nm"));
@@ -256,12 +271,12 @@ impl<'a> Spectra<'a> {
         Ok(())
     }
 
-    fn resolve(&mut self, spectrum: &SpectrumFile, purpose: Purpose, depth: usize) -> Result<Curve> {
+    fn resolve(&mut self, spectrum: &SpectrumFile, purpose: Purpose, depth: usize) -> Result<LampSpectrum> {
         if depth > DEEPEST {
             return Err(too_deep());
         }
         match spectrum {
-            SpectrumFile::Value(value) => Ok(Curve::Constant(*value)),
+            SpectrumFile::Value(value) => Ok(Curve::Constant(*value).into()),
             SpectrumFile::Name(name) => match self.own.get(name) {
                 Some(own) => self.resolve(own, purpose, depth + 1),
                 None => self.built_in(name, purpose),
@@ -273,36 +288,45 @@ impl<'a> Spectra<'a> {
                         .under("temperature_k")
                         .under("blackbody"));
                 }
-                Ok(Curve::Blackbody(Kelvin(*kelvin)))
+                Ok(Curve::Blackbody(Kelvin(*kelvin)).into())
             }
             SpectrumFile::Described(SpectrumDescription::Table { wavelengths_nm, values }) => {
                 let table = table_of(wavelengths_nm, values, "values", outside(purpose));
-                table.map(Curve::Table).map_err(|e| e.under("table"))
+                table.map(|t| Curve::Table(t).into()).map_err(|e| e.under("table"))
             }
             SpectrumFile::Described(SpectrumDescription::Csv { file, column, factor }) => {
                 let (path, table) = self.read_csv(file).map_err(|e| e.under("file").under("csv"))?;
                 table.wavelengths_nm().map_err(|e| e.in_file(&path).under("file").under("csv"))?;
-                let curve = library::curve(&table, column.as_deref(), purpose)
+                let light = library::light(&table, column.as_deref(), purpose)
                     .map_err(|e| if column.is_some() { e.under("column") } else { e }.under("csv"))?;
-                Ok(if *factor == 1.0 { curve } else { Curve::Scaled(Box::new(curve), *factor) })
+                Ok(if *factor == 1.0 { light } else { light.scaled(*factor) })
+            }
+            SpectrumFile::Described(SpectrumDescription::Lines { lines, continuum }) => {
+                let continuum = match continuum {
+                    None => Ok(Curve::Constant(0.0)),
+                    Some(spectrum) => self.resolve(spectrum, purpose, depth + 1).and_then(only_continuum),
+                };
+                let continuum = continuum.map_err(|e| e.under("continuum").under("lines"))?;
+                let line = |line: &LineFile| Line { nm: line.wavelength_nm, power: line.power };
+                LampSpectrum::new(continuum, lines.iter().map(line).collect())
+                    .map_err(|e| e.under("lines").under("lines"))
             }
             SpectrumFile::Described(SpectrumDescription::Scaled { spectrum, factor }) => {
-                let curve = self.resolve(spectrum, purpose, depth + 1);
-                let curve = curve.map_err(|e| e.under("spectrum").under("scaled"))?;
-                Ok(Curve::Scaled(Box::new(curve), *factor))
+                let light = self.resolve(spectrum, purpose, depth + 1);
+                Ok(light.map_err(|e| e.under("spectrum").under("scaled"))?.scaled(*factor))
             }
         }
     }
 
-    fn built_in(&self, name: &str, purpose: Purpose) -> Result<Curve> {
+    fn built_in(&self, name: &str, purpose: Purpose) -> Result<LampSpectrum> {
         let known = || {
             let own = self.own.keys().map(String::as_str);
-            own.chain(library::entries().filter(|e| is_curve(e.kind)).map(|e| e.name))
+            own.chain(library::entries().filter(|e| is_spectrum(e.kind)).map(|e| e.name))
         };
         if !known().any(|k| k == name) {
             return Err(Error::unknown_name("spectrum", name, known()));
         }
-        library::curve(&library::table(name)?, None, purpose)
+        library::light(&library::table(name)?, None, purpose)
     }
 
     /// Reads a table; its own faults stand in its file, that it cannot be read in the scene.
@@ -332,6 +356,21 @@ fn index_over_grid(index: &RefractiveIndex) -> Result<Vec<f64>> {
     grid_nm().map(|nm| index.at(nm)).collect()
 }
 
+/// The curve of something that is no light.
+fn without_lines(spectrum: LampSpectrum) -> Result<Curve> {
+    spectrum.into_continuum().ok_or_else(|| {
+        Error::new("spectral lines where no light is given off")
+            .hint("lines belong in an emission; give a number, a table or the name of a reflectance")
+    })
+}
+
+/// The continuum beneath lines, which has none itself.
+fn only_continuum(spectrum: LampSpectrum) -> Result<Curve> {
+    spectrum
+        .into_continuum()
+        .ok_or_else(|| Error::new("the continuum has lines itself").hint("put all lines into one list"))
+}
+
 fn too_deep() -> Error {
     Error::new(format!("spectra name one another more than {DEEPEST} deep"))
         .hint("give the spectrum itself instead of one made of others")
@@ -341,9 +380,14 @@ fn too_deep() -> Error {
 fn named_in(spectrum: &SpectrumFile) -> (Option<&str>, String) {
     let mut pointer = String::new();
     let mut inner = spectrum;
-    while let SpectrumFile::Described(SpectrumDescription::Scaled { spectrum, .. }) = inner {
-        pointer.push_str("/scaled/spectrum");
-        inner = spectrum;
+    while let SpectrumFile::Described(described) = inner {
+        let (key, next) = match described {
+            SpectrumDescription::Scaled { spectrum, .. } => ("/scaled/spectrum", spectrum),
+            SpectrumDescription::Lines { continuum: Some(spectrum), .. } => ("/lines/continuum", spectrum),
+            _ => break,
+        };
+        pointer.push_str(key);
+        inner = next;
     }
     match inner {
         SpectrumFile::Name(name) => (Some(name), pointer),
@@ -392,7 +436,7 @@ fn outside(purpose: Purpose) -> Outside {
     }
 }
 
-/// Kinds of built-in tables that are one curve of values.
-fn is_curve(kind: &str) -> bool {
-    matches!(kind, "illuminant" | "emission" | "reflectance" | "transmission")
+/// Kinds of built-in tables that are a spectrum: one curve of values, or lines.
+fn is_spectrum(kind: &str) -> bool {
+    matches!(kind, "illuminant" | "emission" | "line" | "reflectance" | "transmission")
 }

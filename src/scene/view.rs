@@ -6,7 +6,7 @@ use super::objects::{Built, unit_vector};
 use super::spectra::Spectra;
 use crate::camera::{CIE_SENSOR, Camera, CameraPlacement, Exposure, LensAperture, Sensor};
 use crate::error::{Error, Result};
-use crate::spectrum::colour::{Xyz, xyz_of};
+use crate::spectrum::colour::Xyz;
 use crate::spectrum::library;
 use glam::DVec3;
 
@@ -99,7 +99,7 @@ fn sensor(file: &SensorFile, spectra: &mut Spectra<'_>) -> Result<Sensor> {
 
 /// Tristimulus values of the light that is developed white.
 fn white_of(spectrum: &SpectrumFile, spectra: &mut Spectra<'_>) -> Result<Xyz> {
-    let white = xyz_of(&spectra.emission(spectrum)?);
+    let white = spectra.emission(spectrum)?.xyz();
     if white.iter().all(|value| *value > 0.0 && value.is_finite()) {
         return Ok(white);
     }

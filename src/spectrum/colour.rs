@@ -4,7 +4,7 @@
 
 use super::curve::Curve;
 use super::library;
-use super::wavelengths::{GRID_POINTS, grid_nm};
+use super::wavelengths::{FIRST_NM, GRID_POINTS, LAST_NM, between_grid_points, grid_nm};
 use crate::units::Kelvin;
 use crate::units::constants::LUMINOUS_EFFICACY_LM_W;
 use std::sync::LazyLock;
@@ -35,6 +35,15 @@ pub fn xyz_of_grid(values: &[f64]) -> Xyz {
         let sum: f64 = matching.iter().zip(values).map(|(m, v)| m * v).sum();
         LUMINOUS_EFFICACY_LM_W * sum
     })
+}
+
+/// Tristimulus values of one unit of power at a wavelength from 360 to 830 nm: 683 lm/W times
+/// the matching functions there; zero at other wavelengths.
+pub fn xyz_at(nm: f64) -> Xyz {
+    if !(FIRST_NM..=LAST_NM).contains(&nm) {
+        return [0.0; 3];
+    }
+    CIE_1931.matching.each_ref().map(|matching| LUMINOUS_EFFICACY_LM_W * between_grid_points(matching, nm))
 }
 
 /// Tristimulus values of a curve in absolute units.
@@ -102,14 +111,6 @@ pub fn colour_temperature(xy: [f64; 2]) -> Option<ColourTemperature> {
     let duv = distance(mired).copysign(target[1] - locus(mired)[1]);
     (duv.abs() <= FARTHEST && mired > 10.5 && mired < 999.5)
         .then_some(ColourTemperature { kelvin: Kelvin(1e6 / mired), duv })
-}
-
-/// Luminous efficacy of radiation over the grid, lm per radiant watt within it, the watts by
-/// the trapezoid rule; `None` for black.
-pub fn efficacy_lm_per_w(curve: &Curve) -> Option<f64> {
-    let shape = curve.shape(grid_nm());
-    let watts = shape.iter().sum::<f64>() - 0.5 * (shape[0] + shape[shape.len() - 1]);
-    (watts > 0.0).then(|| xyz_of_grid(&shape)[1] / watts)
 }
 
 /// Linear sRGB (ITU-R BT.709 primaries, D65 white) from XYZ on the same scale; values

@@ -184,10 +184,11 @@ impl Curve {
         }
     }
 
-    /// Integral over all wavelengths; `None` for a constant, whose integral diverges.
+    /// Integral over all wavelengths; `None` for a constant other than zero, whose integral
+    /// diverges.
     pub fn integral_over_all(&self) -> Option<f64> {
         match self {
-            Self::Constant(_) => None,
+            Self::Constant(value) => (*value == 0.0).then_some(0.0),
             Self::Scaled(curve, factor) => Some(curve.integral_over_all()? * factor),
             Self::Table(table) => {
                 let (first, last) = table.range_nm();

@@ -5,6 +5,7 @@
 use super::csv::CsvTable;
 use super::curve::{Curve, Outside, Table};
 use super::index::RefractiveIndex;
+use super::lamp::{LampSpectrum, Line};
 use crate::error::{Error, Result};
 
 include!(concat!(env!("OUT_DIR"), "/spectra.rs"));
@@ -76,6 +77,19 @@ pub fn curve(table: &CsvTable, column: Option<&str>, purpose: Purpose) -> Result
     };
     let values = table.column(name).ok_or_else(|| Error::unknown_name("column", name, others()))?;
     Ok(Curve::Table(Table::new(table.wavelengths_nm()?, values, purpose.outside())?))
+}
+
+/// A table as light: spectral lines where its quantity is `lines`, else a column as a curve.
+pub fn light(table: &CsvTable, column: Option<&str>, purpose: Purpose) -> Result<LampSpectrum> {
+    if table.facts.get("quantity").is_none_or(|quantity| quantity != "lines") {
+        return curve(table, column, purpose).map(LampSpectrum::from);
+    }
+    let power = table.column("power").ok_or_else(|| {
+        Error::new("the table of lines has no column \"power\"").hint("name the columns wavelength_nm,power")
+    })?;
+    let lines = table.wavelengths_nm()?.into_iter().zip(power).map(|(nm, power)| Line { nm, power });
+    // The table has rows and columns; the fault's place among the lines says nothing there.
+    LampSpectrum::new(Curve::Constant(0.0), lines.collect()).map_err(|e| Error { pointer: None, ..e })
 }
 
 /// A refractive index from a table with a column `n`, or of Sellmeier coefficients.

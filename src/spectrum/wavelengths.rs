@@ -3,6 +3,11 @@
 //! All lanes of a path are drawn together: one uniform number, rotated by equal steps, goes
 //! through one inverse distribution (hero wavelength sampling: Wilkie et al. 2014), so the
 //! lanes are stratified and each has the marginal density of a wavelength drawn alone.
+//!
+//! The distribution is a mixture: a density over the 1 nm grid for the continuum, and a
+//! probability for each spectral line, which has a wavelength and no width. A lane sits on a
+//! line or in the continuum and stands for that part of the light alone; the sum over both is
+//! what the lane estimates.
 
 use super::lanes::{LANES, Spectrum};
 
@@ -18,28 +23,91 @@ pub fn grid_nm() -> impl ExactSizeIterator<Item = f64> + Clone {
     (0..GRID_POINTS).map(|i| FIRST_NM + i as f64)
 }
 
+/// The grid cell that a wavelength from 360 to 830 nm lies in, and where in it, 0 to 1.
+pub(super) fn place_on_grid(nm: f64) -> (usize, f64) {
+    let cell = ((nm - FIRST_NM).max(0.0) as usize).min(GRID_POINTS - 2);
+    (cell, nm - FIRST_NM - cell as f64)
+}
+
+/// Value at a wavelength from 360 to 830 nm of a curve known at the grid points; linear
+/// between.
+pub fn between_grid_points(values: &[f64], nm: f64) -> f64 {
+    let (cell, fraction) = place_on_grid(nm);
+    values[cell] + (values[cell + 1] - values[cell]) * fraction
+}
+
+/// Marks a lane in the continuum.
+const CONTINUUM: u32 = u32::MAX;
+
 /// The wavelengths that one path carries.
 #[derive(Clone, Copy, Debug)]
 pub struct Wavelengths {
     /// Wavelength of each lane in nm.
     pub nm: Spectrum,
-    /// Density with which each lane's wavelength was drawn, per nm.
-    pub pdf_per_nm: Spectrum,
+    /// How each lane's wavelength was drawn: density per nm in the continuum, probability on
+    /// a line.
+    pub density: Spectrum,
     /// Grid cell of each lane: its wavelength lies between this grid point and the next.
     pub(super) cell: [u16; LANES],
     /// Position within the cell, 0 to 1.
     pub(super) fraction: Spectrum,
+    /// The line of each lane, or [`CONTINUUM`].
+    line: [u32; LANES],
 }
 
-/// A density over wavelength, constant within each cell of the 1 nm grid.
+impl Wavelengths {
+    /// The line that a lane sits on, by its place in the scene's list; `None` in the
+    /// continuum.
+    #[inline]
+    pub fn line(&self, lane: usize) -> Option<u32> {
+        (self.line[lane] != CONTINUUM).then_some(self.line[lane])
+    }
+
+    /// Whether any lane sits on a line.
+    #[inline]
+    pub fn meet_lines(&self) -> bool {
+        self.line != [CONTINUUM; LANES]
+    }
+}
+
+/// A distribution over wavelength: a density that is constant within each cell of the 1 nm
+/// grid, and a probability for each line.
 #[derive(Clone, Debug)]
 pub struct WavelengthSampler {
-    pdf_per_nm: Vec<f64>,
-    cumulative: Vec<f64>,
+    /// In order of wavelength; nothing in it has probability zero.
+    pieces: Vec<Piece>,
+}
+
+/// A part of the distribution.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    source: Source,
+    /// Sum of the probabilities before it.
+    start: f64,
+    probability: f64,
+}
+
+/// What a lane stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Source {
+    /// The continuum in a cell of the grid, which is 1 nm wide.
+    Cell(usize),
+    /// The line of an index at a wavelength in nm.
+    Line(u32, f64),
+}
+
+impl Source {
+    /// What orders the pieces: a line stands before the cell that it lies in.
+    fn place(&self) -> (usize, bool, f64) {
+        match *self {
+            Self::Cell(cell) => (cell, true, 0.0),
+            Self::Line(_, nm) => (place_on_grid(nm).0, false, nm),
+        }
+    }
 }
 
 impl WavelengthSampler {
-    /// Share of the density that is spread evenly over all cells of the support.
+    /// Share of the probability that is spread evenly over all cells and lines of the support.
     const EVEN_SHARE: f64 = 0.02;
 
     /// A sampler whose density follows `weight_at_grid_points` (any scale, not negative).
@@ -47,23 +115,33 @@ impl WavelengthSampler {
     /// Wherever the weight is positive at either end of a cell, the density is positive over
     /// the whole cell; `None` if all weights are zero.
     pub fn proportional_to(weight_at_grid_points: &[f64]) -> Option<Self> {
-        let cells: Vec<f64> = weight_at_grid_points.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
-        let total: f64 = cells.iter().sum();
+        Self::mixture(weight_at_grid_points, &[])
+    }
+
+    /// A sampler for a continuum, whose weight per nm is given at the grid points, and lines,
+    /// each given by wavelength in nm (360 to 830) and weight.
+    ///
+    /// Whatever has a positive weight is drawn with a positive probability; `None` if all
+    /// weights are zero.
+    pub fn mixture(weight_at_grid_points: &[f64], lines: &[(f64, f64)]) -> Option<Self> {
+        let cells = weight_at_grid_points.windows(2).map(|w| 0.5 * (w[0] + w[1]));
+        let cells = cells.enumerate().map(|(cell, weight)| (Source::Cell(cell), weight));
+        let lines = (0..).zip(lines).map(|(index, (nm, weight))| (Source::Line(index, *nm), *weight));
+        let mut weights: Vec<(Source, f64)> = cells.chain(lines).filter(|(_, w)| *w > 0.0).collect();
+        weights.sort_by(|(a, _), (b, _)| a.place().partial_cmp(&b.place()).expect("wavelengths are finite"));
+        let total: f64 = weights.iter().map(|(_, weight)| weight).sum();
         if total <= 0.0 || !total.is_finite() {
             return None;
         }
-        let support = cells.iter().filter(|w| **w > 0.0).count() as f64;
-        let density = |w: &f64| {
-            if *w > 0.0 { (1.0 - Self::EVEN_SHARE) * w / total + Self::EVEN_SHARE / support } else { 0.0 }
+        let support = weights.len() as f64;
+        let mut start = 0.0;
+        let piece = |(source, weight): (Source, f64)| {
+            let probability = (1.0 - Self::EVEN_SHARE) * weight / total + Self::EVEN_SHARE / support;
+            let piece = Piece { source, start, probability };
+            start += probability;
+            piece
         };
-        let pdf_per_nm: Vec<f64> = cells.iter().map(density).collect();
-        let mut sum = 0.0;
-        let mut cumulative: Vec<f64> = vec![0.0];
-        cumulative.extend(pdf_per_nm.iter().map(|p| {
-            sum += p;
-            sum
-        }));
-        Some(Self { pdf_per_nm, cumulative })
+        Some(Self { pieces: weights.into_iter().map(piece).collect() })
     }
 
     /// The same density everywhere.
@@ -71,39 +149,53 @@ impl WavelengthSampler {
         Self::proportional_to(&[1.0; GRID_POINTS]).expect("the weights are positive")
     }
 
-    /// Density at a wavelength, per nm; zero outside the grid.
+    /// Density of the continuum at a wavelength, per nm; zero outside the grid.
     pub fn pdf_per_nm(&self, nm: f64) -> f64 {
         let cell = (nm - FIRST_NM).floor();
-        if cell < 0.0 { 0.0 } else { self.pdf_per_nm.get(cell as usize).copied().unwrap_or(0.0) }
+        if cell < 0.0 { 0.0 } else { self.probability_of(|source| *source == Source::Cell(cell as usize)) }
+    }
+
+    /// Probability of the line of an index; zero for one that is never drawn.
+    pub fn line_probability(&self, index: u32) -> f64 {
+        self.probability_of(|source| matches!(source, Source::Line(line, _) if *line == index))
+    }
+
+    fn probability_of(&self, is_meant: impl Fn(&Source) -> bool) -> f64 {
+        self.pieces.iter().find(|piece| is_meant(&piece.source)).map_or(0.0, |piece| piece.probability)
     }
 
     /// The lanes of a path from one uniform number in [0, 1).
     pub fn sample(&self, u: f32) -> Wavelengths {
         let mut drawn = Wavelengths {
             nm: Spectrum::ZERO,
-            pdf_per_nm: Spectrum::ZERO,
+            density: Spectrum::ZERO,
             cell: [0; LANES],
             fraction: Spectrum::ZERO,
+            line: [CONTINUUM; LANES],
         };
         for lane in 0..LANES {
             let rotated = f64::from(u) + lane as f64 / LANES as f64;
-            let (cell, fraction) = self.invert(if rotated >= 1.0 { rotated - 1.0 } else { rotated });
+            let (piece, within) = self.invert(if rotated >= 1.0 { rotated - 1.0 } else { rotated });
+            let (cell, fraction) = match piece.source {
+                Source::Cell(cell) => (cell, within),
+                Source::Line(index, nm) => {
+                    drawn.line[lane] = index;
+                    place_on_grid(nm)
+                }
+            };
             drawn.nm[lane] = (FIRST_NM + cell as f64 + fraction) as f32;
-            drawn.pdf_per_nm[lane] = self.pdf_per_nm[cell] as f32;
+            drawn.density[lane] = piece.probability as f32;
             drawn.cell[lane] = cell as u16;
             drawn.fraction[lane] = fraction as f32;
         }
         drawn
     }
 
-    fn invert(&self, u: f64) -> (usize, f64) {
-        let last = self.pdf_per_nm.len() - 1;
-        let mut cell = self.cumulative.partition_point(|&c| c <= u).saturating_sub(1).min(last);
-        while self.pdf_per_nm[cell] == 0.0 && cell > 0 {
-            cell -= 1; // u rounded past the end of the support
-        }
-        let fraction = (u - self.cumulative[cell]) / self.pdf_per_nm[cell];
-        (cell, fraction.clamp(0.0, 1.0))
+    /// The piece that a number in [0, 1) falls in, and where in it, 0 to 1.
+    fn invert(&self, u: f64) -> (&Piece, f64) {
+        // The first piece starts at zero.
+        let piece = &self.pieces[self.pieces.partition_point(|piece| piece.start <= u) - 1];
+        (piece, ((u - piece.start) / piece.probability).clamp(0.0, 1.0))
     }
 }
 
@@ -123,7 +215,7 @@ mod tests {
         for i in 0..SAMPLES {
             let drawn = sampler.sample((i as f32 + 0.5) / SAMPLES as f32);
             for (lane, sum) in sums.iter_mut().enumerate() {
-                *sum += integrand(f64::from(drawn.nm[lane])) / f64::from(drawn.pdf_per_nm[lane]);
+                *sum += integrand(f64::from(drawn.nm[lane])) / f64::from(drawn.density[lane]);
             }
         }
         for sum in sums {
@@ -133,13 +225,54 @@ mod tests {
         }
     }
 
+    /// Continuum and lines together, with weights unlike the integrand: no lane counts a line
+    /// twice, misses it, or takes its probability for a density.
+    #[test]
+    fn every_lane_sums_continuum_and_lines() {
+        let weights: Vec<f64> = grid_nm().map(|nm| (nm - 500.0).clamp(0.0, 10.0)).collect();
+        let lines = [(589.592_4, 700.0), (404.656_5, 30.0), (830.0, 1e-9), (450.0, 0.0), (360.0, 90.0)];
+        let sampler = WavelengthSampler::mixture(&weights, &lines).expect("positive weights");
+        let powers = [20.0, 35.0, 7.0, 0.0, 11.0];
+        let truth = 330.0 + powers.iter().sum::<f64>();
+        const SAMPLES: u32 = 200_000;
+        let mut sums = [0.0; LANES];
+        for i in 0..SAMPLES {
+            let drawn = sampler.sample((i as f32 + 0.5) / SAMPLES as f32);
+            for (lane, sum) in sums.iter_mut().enumerate() {
+                let value = match drawn.line(lane) {
+                    None => f64::from(drawn.nm[lane] >= 500.0),
+                    Some(line) => {
+                        assert_eq!(drawn.nm[lane], lines[line as usize].0 as f32);
+                        powers[line as usize]
+                    }
+                };
+                *sum += value / f64::from(drawn.density[lane]);
+            }
+        }
+        for sum in sums {
+            let value = sum / f64::from(SAMPLES);
+            assert!((value / truth - 1.0).abs() < 2e-3, "{value} against {truth}");
+        }
+    }
+
+    #[test]
+    fn lines_alone_need_no_continuum() {
+        let sampler = WavelengthSampler::mixture(&[0.0; GRID_POINTS], &[(589.0, 2.0), (589.6, 1.0)]);
+        let sampler = sampler.expect("positive weights");
+        let drawn = sampler.sample(0.999_999_9);
+        assert!((0..LANES).all(|lane| drawn.line(lane).is_some()));
+        assert!((sampler.line_probability(0) + sampler.line_probability(1) - 1.0).abs() < 1e-12);
+        assert_eq!((sampler.pdf_per_nm(589.0), sampler.line_probability(2)), (0.0, 0.0));
+        assert!(WavelengthSampler::mixture(&[0.0; GRID_POINTS], &[(589.0, 0.0)]).is_none());
+    }
+
     #[test]
     fn density_sums_to_one_and_covers_the_support() {
         let mut weights = vec![0.0; GRID_POINTS];
         weights[100] = 1e-12;
         weights[300] = 1.0;
         let sampler = WavelengthSampler::proportional_to(&weights).expect("positive weights");
-        let total: f64 = sampler.pdf_per_nm.iter().sum();
+        let total: f64 = sampler.pieces.iter().map(|piece| piece.probability).sum();
         assert!((total - 1.0).abs() < 1e-12);
         for nm in [459.5, 460.5, 659.5, 660.5] {
             assert!(sampler.pdf_per_nm(nm) >= WavelengthSampler::EVEN_SHARE / 4.0 * 0.99, "{nm}");

@@ -1,8 +1,13 @@
 //! What the tests share: scenes from text, readings, and the judgement of a statistical one.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
-use etalon::integrator::{Integrator, Reading, read_meters};
-use etalon::scene::Scene;
+use etalon::camera::Sensor;
+use etalon::geometry::SurfacePoint;
+use etalon::integrator::{Draw, Integrator, Reading, Tracer, read_meters};
+use etalon::path::{Eye, Strategies, Subpaths};
+use etalon::sampler::{Sampler, Stream};
+use etalon::scene::{Plan, Scene};
+use etalon::spectrum::{Spectrum, Wavelengths};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -48,6 +53,24 @@ pub fn assert_reads(what: &str, reading: &Reading, truth: f64, relative: f64) {
         100.0 * (mean / truth - 1.0)
     );
     assert_eq!(reading.non_finite_samples, 0, "{what}");
+}
+
+/// The plan of path tracing for instruments.
+pub fn instrument_plan(scene: &Scene, sensor: &Sensor) -> Plan {
+    Plan::of(scene, sensor, Strategies::PATH.for_instruments())
+}
+
+/// One sample of irradiance at a point, in W m^-2 nm^-1.
+pub fn irradiance(
+    scene: &Scene,
+    plan: &Plan,
+    point: SurfacePoint,
+    wavelengths: &Wavelengths,
+    sampler: &Sampler,
+) -> Spectrum {
+    let position = sampler.pair(Stream::Pixel, 0).map(f64::from);
+    let draw = Draw { position, wavelengths, sampler };
+    Tracer::new(scene, plan, Eye::Irradiance(point)).gather(&draw, &mut Subpaths::default())
 }
 
 /// A meter for illuminance.

@@ -43,7 +43,7 @@ class Spectra:
         if isinstance(spectrum, dict) and "table" in spectrum:
             return np.array(spectrum["table"]["wavelengths_nm"], float), np.array(spectrum["table"]["values"], float)
         found = sorted(self.folder.glob(f"*/{spectrum}.csv")) if isinstance(spectrum, str) else []
-        if not found:
+        if not found or found[0].parent.name == "line":
             raise InputError(place, f"spectrum {spectrum!r} is not understood by the peer", "give a number, a table or a name of the spectra folder")
         columns = read_columns(found[0])
         return columns[:, 0], columns[:, 1]

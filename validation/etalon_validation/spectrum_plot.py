@@ -127,6 +127,9 @@ def draw_figure(request, table):
     axes = figure.add_axes((0.11, bottom, 0.86, top - bottom))
     for name, column in values.items():
         label, ink = COLUMNS.get(name, (name, "#1c1d1f"))
+        if kind == "line":
+            axes.vlines(wavelengths, 0, column, color=ink, linewidth=1.2)
+            continue
         axes.plot(wavelengths, column, color=ink, linewidth=1.6, label=label or None)
     if len(values) > 1:
         axes.legend(frameon=False)
