@@ -88,7 +88,7 @@ impl<'a> Tracer<'a> {
             self.walk_from_eye(&joiner, draw, paths, put);
         }
         if strategies.light_to_eye {
-            joiner.light_to_eye(put);
+            joiner.light_to_eye(paths, put);
         }
         if strategies.asks_eye {
             for s in 2..=paths.light.len() {
@@ -168,6 +168,7 @@ fn walk_from_light<'a, D: Density>(
         let Some(vertex) = vertex else { break };
         if paths.light.len() == 1 {
             paths.asked = joiner.asked_by(&start, &vertex);
+            heading.asked = paths.asked;
         }
         paths.light.push(vertex);
         if !walker.leave(&mut paths.light, &mut heading) {

@@ -2,9 +2,10 @@
 
 use super::eye::Eye;
 use super::media::Media;
+use super::strategies::Strategies;
 use super::vertex::{Kind, Vertex};
 use super::walk::{Heading, Walker, transmittance};
-use super::weights::{Density, Known, Made};
+use super::weights::{Density, Judged, Known, Made, Side};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::light::Light;
 use crate::material::Quantity;
@@ -88,8 +89,8 @@ impl Source<'_> {
         End { point: self.point, light: Some((self.index, self.primitive)) }
     }
 
-    fn known(&self, eye: AreaPdf, lanes: Spectrum) -> Known {
-        Known { light: AreaPdf::of_all_lanes(self.started), eye, lanes, is_delta: false }
+    const fn starts(&self) -> AreaPdf {
+        AreaPdf::of_all_lanes(self.started)
     }
 
     /// Density with which light from here reaches a vertex.
@@ -129,12 +130,9 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             Source { light, index, primitive: Some(surface.primitive), point: last.point, started, asked };
         let reaches = source.reaches(before);
         let estimate = last.throughput * light.emission(self.walker.wavelengths);
-        let first = source.known(last.forward, last.lanes);
-        paths.gather(&self.walker, 0, t - 1, Some(first));
-        if let Some(second) = paths.known.get_mut(1) {
-            second.light = reaches;
-        }
-        self.hand_on(&paths.known, [0, t], asked, estimate, (None, None), put);
+        let fresh = Fresh { eye_last: source.starts(), eye_before: reaches, ..Fresh::default() };
+        let joint = Joint { s: 0, t, asked, started, fresh, lens: None };
+        self.hand_on(paths, &joint, Found::here(estimate), put);
     }
 
     /// s = 1: the last vertex from the eye asks a light.
@@ -163,17 +161,16 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         } else {
             0.0
         };
-        let first = source.known(AreaPdf::of_direction(scattered.pdf, per_area), Spectrum::ONE);
-        let reverse = strategies.joins_both_ways().then(|| {
+        let mut fresh =
+            Fresh { light_last: AreaPdf::of_direction(scattered.pdf, per_area), ..Fresh::default() };
+        if strategies.joins_both_ways() {
             let reverse = last.reverse_pdf(direction, Quantity::Radiance);
-            (source.reaches(last), AreaPdf::of_direction(reverse, before.solid_angle_per_area_from(from)))
-        });
-        paths.gather(walker, 0, t, Some(first));
-        if let (Some((second, third)), [_, x1, x2, ..]) = (reverse, &mut paths.known[..]) {
-            x1.light = second;
-            x2.light = third;
+            fresh.eye_last = source.reaches(last);
+            fresh.eye_before = AreaPdf::of_direction(reverse, before.solid_angle_per_area_from(from));
         }
-        self.hand_on(&paths.known, [1, t], source.asked, estimate, (None, Some(source.end())), put);
+        let joint = Joint { s: 1, t, asked: source.asked, started: source.started, fresh, lens: None };
+        let found = Found { end: Some(source.end()), ..Found::here(estimate) };
+        self.hand_on(paths, &joint, found, put);
     }
 
     /// s > 1, t > 1: a vertex that light has reached, by its index, and the last one from the
@@ -205,37 +202,20 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             estimate *= self.transmitted(&eye.media_towards(towards_light), ray.t_max);
         }
         let (eye_at, light_at) = (eye.point.position, light.point.position);
-        let light_known = Known {
-            light: light.forward,
-            eye: AreaPdf::of_direction(seen.pdf, light.solid_angle_per_area_from(eye_at)),
-            lanes: light.lanes,
-            is_delta: false,
+        let fresh = Fresh {
+            light_last: AreaPdf::of_direction(seen.pdf, light.solid_angle_per_area_from(eye_at)),
+            light_before: AreaPdf::of_direction(
+                light.reverse_pdf(towards_eye, Quantity::Importance),
+                before_light.solid_angle_per_area_from(light_at),
+            ),
+            eye_last: AreaPdf::of_direction(lit.pdf, eye.solid_angle_per_area_from(light_at)),
+            eye_before: AreaPdf::of_direction(
+                eye.reverse_pdf(towards_light, Quantity::Radiance),
+                before_eye.solid_angle_per_area_from(eye_at),
+            ),
         };
-        let eye_known = Known {
-            light: AreaPdf::of_direction(lit.pdf, eye.solid_angle_per_area_from(light_at)),
-            eye: eye.forward,
-            lanes: eye.lanes,
-            is_delta: false,
-        };
-        let before_light_pdf = AreaPdf::of_direction(
-            light.reverse_pdf(towards_eye, Quantity::Importance),
-            before_light.solid_angle_per_area_from(light_at),
-        );
-        let before_eye_pdf = AreaPdf::of_direction(
-            eye.reverse_pdf(towards_light, Quantity::Radiance),
-            before_eye.solid_angle_per_area_from(eye_at),
-        );
-        paths.gather(walker, s, t, None);
-        paths.known[s - 1] = light_known;
-        paths.known[s - 2].eye = before_light_pdf;
-        if let Some(known) = paths.known.get_mut(s) {
-            *known = eye_known;
-        }
-        if let Some(known) = paths.known.get_mut(s + 1) {
-            known.light = before_eye_pdf;
-        }
-        let asked = paths.asked;
-        self.hand_on(&paths.known, [s, t], asked, estimate, (None, None), put);
+        let joint = paths.joint(s, t, fresh, None);
+        self.hand_on(paths, &joint, Found::here(estimate), put);
     }
 
     /// t = 1, s > 1: a vertex that light has reached, by its index, asks the eye.
@@ -260,33 +240,24 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             estimate *= self.transmitted(&light.media_towards(towards_eye), ray.t_max);
         }
         let (eye_at, light_at) = (end.point.position, light.point.position);
-        let light_known = Known {
-            light: light.forward,
-            eye: AreaPdf::of_all_lanes(sight.pdf_solid_angle * light.solid_angle_per_area_from(eye_at)),
-            lanes: light.lanes,
-            is_delta: false,
+        let fresh = Fresh {
+            light_last: AreaPdf::of_all_lanes(
+                sight.pdf_solid_angle * light.solid_angle_per_area_from(eye_at),
+            ),
+            light_before: AreaPdf::of_direction(
+                light.reverse_pdf(towards_eye, Quantity::Importance),
+                before.solid_angle_per_area_from(light_at),
+            ),
+            eye_last: AreaPdf::of_direction(lit.pdf, end.solid_angle_per_area_from(light_at)),
+            eye_before: AreaPdf::ZERO,
         };
-        let eye_known = Known {
-            light: AreaPdf::of_direction(lit.pdf, end.solid_angle_per_area_from(light_at)),
-            eye: end.forward,
-            lanes: Spectrum::ONE,
-            is_delta: false,
-        };
-        let before_pdf = AreaPdf::of_direction(
-            light.reverse_pdf(towards_eye, Quantity::Importance),
-            before.solid_angle_per_area_from(light_at),
-        );
-        paths.gather(walker, s, 0, None);
-        paths.known[s - 1] = light_known;
-        paths.known[s - 2].eye = before_pdf;
-        paths.known.push(eye_known);
-        let asked = paths.asked;
-        let place = (Some(sight.position), Some(End::of_eye(end.point)));
-        self.hand_on(&paths.known, [s, 1], asked, estimate, place, put);
+        let joint = paths.joint(s, 1, fresh, None);
+        let found = Found { estimate, position: Some(sight.position), end: Some(End::of_eye(end.point)) };
+        self.hand_on(paths, &joint, found, put);
     }
 
     /// s = t = 1: a light is joined to the eye.
-    pub fn light_to_eye(&self, put: &mut impl FnMut(&Contribution)) {
+    pub fn light_to_eye(&self, paths: &mut Subpaths<'a>, put: &mut impl FnMut(&Contribution)) {
         let walker = &self.walker;
         if !walker.plan.strategies.plans(1, 1) {
             return;
@@ -307,13 +278,14 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         } else {
             0.0
         };
-        let seen = AreaPdf::of_all_lanes(sight.pdf_solid_angle * per_area);
-        let known = [
-            source.known(seen, Spectrum::ONE),
-            Known { light: source.reaches(&end), eye: end.forward, lanes: Spectrum::ONE, is_delta: false },
-        ];
-        let place = (Some(sight.position), Some(source.end()));
-        self.hand_on(&known, [1, 1], source.asked, estimate, place, put);
+        let fresh = Fresh {
+            light_last: AreaPdf::of_all_lanes(sight.pdf_solid_angle * per_area),
+            eye_last: source.reaches(&end),
+            ..Fresh::default()
+        };
+        let joint = Joint { s: 1, t: 1, asked: source.asked, started: source.started, fresh, lens: None };
+        let found = Found { estimate, position: Some(sight.position), end: Some(source.end()) };
+        self.hand_on(paths, &joint, found, put);
     }
 
     /// t = 0: the subpath from the light has met the eye on the way of `heading`.
@@ -339,20 +311,25 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         if walker.plan.tracks_media {
             estimate *= self.transmitted(&heading.media, distance);
         }
-        let eye_known = Known {
+        let lens = Known {
             light: heading.pdf_area(last, &end),
             eye: end.forward,
             lanes: heading.lanes,
             is_delta: false,
         };
-        let last_eye =
-            AreaPdf::of_all_lanes(sight.pdf_solid_angle * last.solid_angle_per_area_from(point.position));
-        let asked = if s == 2 { self.asked_by(last, &end) } else { paths.asked };
-        paths.gather(walker, s - 1, 0, None);
-        paths.known[s - 2].eye = last_eye;
-        paths.known.push(eye_known);
-        let place = (Some(sight.position), Some(End::of_eye(point)));
-        self.hand_on(&paths.known, [s, 0], asked, estimate, place, put);
+        let fresh = Fresh {
+            light_last: end.forward,
+            light_before: AreaPdf::of_all_lanes(
+                sight.pdf_solid_angle * last.solid_angle_per_area_from(point.position),
+            ),
+            ..Fresh::default()
+        };
+        let mut joint = paths.joint(s, 0, fresh, Some(lens));
+        if s == 2 {
+            joint.asked = self.asked_by(last, &end);
+        }
+        let found = Found { estimate, position: Some(sight.position), end: Some(End::of_eye(point)) };
+        self.hand_on(paths, &joint, found, put);
     }
 
     /// Density with which a vertex would ask for the point that a subpath from a light began
@@ -407,17 +384,147 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
 
     fn hand_on(
         &self,
-        known: &[Known],
-        [s, t]: [usize; 2],
-        asked: f64,
-        estimate: Spectrum,
-        (position, end): (Option<[f64; 2]>, Option<End>),
+        paths: &mut Subpaths<'a>,
+        joint: &Joint,
+        found: Found,
         put: &mut impl FnMut(&Contribution),
     ) {
-        let made = Made { vertices: known, count: s + t, from_light: s, asked };
-        let judged = made.judge::<D>(&self.walker.plan.strategies);
+        let strategies = &self.walker.plan.strategies;
+        let quick = if D::SCALAR { joint.quick_weight(paths, self.eye, strategies) } else { f64::NAN };
+        let judged = if quick.is_nan() {
+            paths.gather(joint, self.eye, strategies);
+            let made = Made {
+                vertices: &paths.known,
+                count: joint.s + joint.t,
+                from_light: joint.s,
+                asked: joint.asked,
+            };
+            made.judge::<D>(strategies)
+        } else {
+            Judged { weight: quick, lane_mean: 1.0 }
+        };
+        let Joint { s, t, .. } = *joint;
+        let Found { estimate, position, end } = found;
         let estimate = estimate * (1.0 / judged.lane_mean) as f32;
         put(&Contribution { s, t, estimate, weight: judged.weight as f32, position, end });
+    }
+}
+
+/// What a joint adds to the densities that both subpaths keep.
+#[derive(Clone, Copy, Debug)]
+struct Fresh {
+    /// Density from the eye of the last vertex from the light.
+    light_last: AreaPdf,
+    /// Density from the eye of the one before it.
+    light_before: AreaPdf,
+    /// Density from the light of the last vertex from the eye.
+    eye_last: AreaPdf,
+    /// Density from the light of the one before it.
+    eye_before: AreaPdf,
+}
+
+impl Default for Fresh {
+    fn default() -> Self {
+        let none = AreaPdf::ZERO;
+        Self { light_last: none, light_before: none, eye_last: none, eye_before: none }
+    }
+}
+
+/// Where two subpaths are joined.
+#[derive(Clone, Copy, Debug)]
+struct Joint {
+    s: usize,
+    t: usize,
+    /// Density of the light's vertex where its neighbour asks for it.
+    asked: f64,
+    /// Density of the light's vertex where a subpath starts from it.
+    started: f64,
+    fresh: Fresh,
+    /// The vertex on the lens that light has met, for t = 0.
+    lens: Option<Known>,
+}
+
+/// An estimate and where it belongs.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    estimate: Spectrum,
+    position: Option<[f64; 2]>,
+    end: Option<End>,
+}
+
+impl Found {
+    const fn here(estimate: Spectrum) -> Self {
+        Self { estimate, position: None, end: None }
+    }
+}
+
+impl Joint {
+    /// The weight from the sums that the walks have kept; not a number where those do not
+    /// suffice.
+    #[inline]
+    fn quick_weight(&self, paths: &Subpaths<'_>, eye: &Eye<'_>, strategies: &Strategies) -> f64 {
+        let light = self.light_side(paths, strategies).sum();
+        let mut eye = self.eye_side(paths, eye, strategies).sum();
+        if self.s == 1 {
+            eye *= (self.started / self.asked).powi(2);
+        }
+        1.0 / (1.0 + light + eye)
+    }
+
+    /// Share of a strategy that is listed and joins no delta.
+    #[inline]
+    fn share(&self, strategies: &Strategies, s: usize, joins: bool) -> f64 {
+        if !joins || !strategies.plans(s, self.s + self.t - s) {
+            0.0
+        } else if s == 1 && self.s != 1 {
+            (self.asked / self.started).powi(2)
+        } else {
+            1.0
+        }
+    }
+
+    #[inline]
+    fn light_side(&self, paths: &Subpaths<'_>, strategies: &Strategies) -> Side {
+        let Self { s, fresh, .. } = self;
+        let mut side = Side::default();
+        if *s == 0 {
+            return side;
+        }
+        let walk = &paths.light;
+        let drawn = match (&self.lens, s) {
+            (Some(lens), _) => lens.light.hero(),
+            (None, 1) => self.asked,
+            (None, _) => walk[s - 1].forward.hero(),
+        };
+        side.last = fresh.light_last.hero() / drawn;
+        side.last_share = self.share(strategies, s - 1, *s == 1 || !walk[s - 2].is_delta);
+        if *s > 1 && strategies.joins_both_ways() {
+            side.before = fresh.light_before.hero() / walk[s - 2].forward.hero();
+            let joins = *s == 2 || !walk[s - 2].is_delta && !walk[s - 3].is_delta;
+            side.before_share = self.share(strategies, s - 2, joins);
+            side.given_away = if *s > 2 { walk[s - 3].given_away } else { 0.0 };
+        }
+        side
+    }
+
+    #[inline]
+    fn eye_side(&self, paths: &Subpaths<'_>, eye: &Eye<'_>, strategies: &Strategies) -> Side {
+        let Self { s, t, fresh, .. } = self;
+        let mut side = Side::default();
+        if *t == 0 {
+            return side;
+        }
+        let walk = &paths.eye;
+        let drawn = if *t == 1 { eye.pdf_area() } else { walk[t - 1].forward.hero() };
+        side.last = fresh.eye_last.hero() / drawn;
+        side.last_share = self.share(strategies, s + 1, *t == 1 || !walk[t - 2].is_delta);
+        if *t > 1 && strategies.joins_both_ways() {
+            side.before = fresh.eye_before.hero() / walk[t - 2].forward.hero();
+            let joins = *t == 2 || !walk[t - 2].is_delta && !walk[t - 3].is_delta;
+            side.before_share = self.share(strategies, s + 2, joins);
+            side.given_away = if *t > 2 { walk[t - 3].given_away } else { 0.0 };
+        }
+        side
     }
 }
 
@@ -428,12 +535,27 @@ impl<'a> Subpaths<'a> {
         self.eye.clear();
     }
 
-    /// Collects what weights need of the first `s` vertices from the light (or of one given
-    /// instead) and of the first `t` from the eye, numbered from the light.
-    fn gather(&mut self, walker: &Walker<'_, '_>, s: usize, t: usize, first: Option<Known>) {
+    /// A joint of a subpath from a light that was walked.
+    fn joint(&self, s: usize, t: usize, fresh: Fresh, lens: Option<Known>) -> Joint {
+        Joint { s, t, asked: self.asked, started: self.light[0].forward.hero(), fresh, lens }
+    }
+
+    /// Collects what weights need of the vertices, numbered from the light; those beyond what
+    /// any strategy differs by may be missing.
+    fn gather(&mut self, joint: &Joint, eye: &Eye<'_>, strategies: &Strategies) {
+        let Joint { s, t, fresh, .. } = *joint;
+        let open = |density: f64| Known {
+            light: AreaPdf::of_all_lanes(density),
+            eye: AreaPdf::of_all_lanes(density),
+            lanes: Spectrum::ONE,
+            is_delta: false,
+        };
         self.known.clear();
-        self.known.extend(first);
-        for vertex in &self.light[..s] {
+        if s == 1 {
+            self.known.push(open(joint.started));
+        }
+        let walked = if joint.lens.is_some() { s - 1 } else { s };
+        for vertex in self.light.iter().take(if s == 1 { 0 } else { walked }) {
             self.known.push(Known {
                 light: vertex.forward,
                 eye: vertex.reverse,
@@ -441,17 +563,33 @@ impl<'a> Subpaths<'a> {
                 is_delta: vertex.is_delta,
             });
         }
-        // No strategy differs by the vertices beyond the span.
-        let count = self.known.len() + t;
-        let (_, most) = walker.plan.strategies.span(count.max(2));
-        let wanted = (most + 1).saturating_sub(self.known.len()).min(t);
-        for vertex in self.eye[..t].iter().rev().take(wanted) {
+        self.known.extend(joint.lens);
+        let (_, most) = strategies.span(s + t);
+        let wanted = (most + 1).saturating_sub(self.known.len());
+        for vertex in self.eye.iter().take(if t == 1 { 0 } else { t }).rev().take(wanted) {
             self.known.push(Known {
                 light: vertex.reverse,
                 eye: vertex.forward,
                 lanes: vertex.lanes,
                 is_delta: vertex.is_delta,
             });
+        }
+        if t == 1 {
+            self.known.push(open(eye.pdf_area()));
+        }
+        if let Some(last) = s.checked_sub(1) {
+            self.known[last].eye = fresh.light_last;
+            self.known[last].is_delta = false;
+        }
+        if let Some(before) = s.checked_sub(2) {
+            self.known[before].eye = fresh.light_before;
+        }
+        if let Some(last) = self.known.get_mut(s) {
+            last.light = fresh.eye_last;
+            last.is_delta = false;
+        }
+        if let Some(before) = self.known.get_mut(s + 1) {
+            before.light = fresh.eye_before;
         }
     }
 }

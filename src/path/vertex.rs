@@ -30,6 +30,10 @@ pub struct Vertex<'a> {
     /// Density with which a subpath from the other end would reach it, coming along this
     /// path; known once the subpath has gone on by two vertices.
     pub reverse: AreaPdf,
+    /// Sum over the strategies that give this vertex, and more of its subpath, to the other
+    /// end: squared density relative to the one that keeps it. Known with `reverse`; not a
+    /// number where it is out of range or where lanes differ.
+    pub given_away: f64,
     /// What the subpath travelled through to get here.
     pub media: Media<'a>,
     /// Whether the subpath went on from here by a Dirac delta: no strategy can join here.

@@ -8,6 +8,7 @@
 use super::eye::{Eye, EyeRay};
 use super::media::Media;
 use super::vertex::{Kind, Surface, Vertex};
+use super::weights;
 use crate::geometry::{Ray, SurfacePoint};
 use crate::light::EmittedRay;
 use crate::material::{BsdfSample, Quantity};
@@ -56,6 +57,9 @@ pub struct Heading<'a> {
     pub delta_measure: f64,
     /// What the ray travels through.
     pub media: Media<'a>,
+    /// Density with which the second vertex of a subpath from a light would ask for its first,
+    /// once it is known.
+    pub asked: f64,
     /// Probability with which roulette has let the subpath live so far.
     pub survival: f32,
     /// Surfaces left so far.
@@ -75,6 +79,7 @@ impl<'a> Heading<'a> {
             pdf: Spectrum::splat(pdf_solid_angle as f32),
             delta_measure: 1.0,
             media,
+            asked: 0.0,
             survival: 1.0,
             bounce: 0,
             lossless: throughput,
@@ -141,6 +146,7 @@ impl<'a> Walker<'a, '_> {
             survival: heading.survival,
             forward: AreaPdf::ZERO,
             reverse: AreaPdf::ZERO,
+            given_away: f64::NAN,
             media: heading.media,
             is_delta: false,
         };
@@ -175,6 +181,9 @@ impl<'a> Walker<'a, '_> {
             } else {
                 AreaPdf::of_direction(last.reverse_pdf(direction, heading.quantity), per_area)
             };
+            if !self.plan.lanes_differ {
+                weights::note_given_away(before, heading.quantity, heading.asked, &self.plan.strategies);
+            }
         }
         self.turn(last, &drawn, direction, heading);
         last.is_delta = drawn.is_delta;
@@ -243,6 +252,7 @@ fn end<'a>(
         survival: 1.0,
         forward,
         reverse: AreaPdf::ZERO,
+        given_away: f64::NAN,
         media,
         is_delta,
     }

@@ -8,6 +8,8 @@
 //! and between strategies the power heuristic decides (Veach 1997, equation 9.13).
 
 use super::strategies::Strategies;
+use super::vertex::Vertex;
+use crate::material::Quantity;
 use crate::measure::AreaPdf;
 use crate::spectrum::{LANES, Spectrum};
 
@@ -49,6 +51,8 @@ pub struct Made<'p> {
 
 /// Density as far as weights go: one number where all lanes agree, one per lane elsewhere.
 pub trait Density: Copy {
+    /// Whether all lanes agree.
+    const SCALAR: bool;
     /// One.
     const ONE: Self;
     /// Of a vertex.
@@ -66,6 +70,7 @@ pub trait Density: Copy {
 }
 
 impl Density for f64 {
+    const SCALAR: bool = true;
     const ONE: Self = 1.0;
     #[inline]
     fn of(pdf: &AreaPdf) -> Self {
@@ -98,6 +103,7 @@ impl Density for f64 {
 pub struct Lanes([f64; LANES]);
 
 impl Density for Lanes {
+    const SCALAR: bool = false;
     const ONE: Self = Self([1.0; LANES]);
     #[inline]
     fn of(pdf: &AreaPdf) -> Self {
@@ -160,6 +166,60 @@ impl<D: Density> Ratio<D> {
         let mean = if self.raised == 0 { self.value.times(rest).mean() } else { 0.0 };
         mean * mean
     }
+}
+
+/// Completes the sum of the last but one vertex of a walk, whose `reverse` has become known.
+///
+/// The sums follow from one another as those of Georgiev 2012, "Implementing Vertex Connection
+/// and Merging", with squares for the power heuristic.
+pub fn note_given_away(walk: &mut [Vertex<'_>], quantity: Quantity, asked: f64, strategies: &Strategies) {
+    let Some((last, before)) = walk.split_last_mut() else { return };
+    let ratio = last.reverse.hero() / last.forward.hero();
+    let joins = before.last().is_some_and(|previous| !previous.is_delta && !last.is_delta);
+    let share = match (before.len(), quantity) {
+        (0, Quantity::Importance) => f64::from(u8::from(strategies.meets_lights)),
+        (0, Quantity::Radiance) => f64::from(u8::from(strategies.meets_eye)),
+        (1, Quantity::Importance) if joins && strategies.asks_lights => {
+            (asked / before[0].forward.hero()).powi(2)
+        }
+        (1, Quantity::Radiance) => f64::from(u8::from(joins && strategies.asks_eye)),
+        _ => f64::from(u8::from(joins && strategies.joins && before.len() > 1)),
+    };
+    let further = before.last().map_or(0.0, |previous| previous.given_away);
+    last.given_away = in_range(ratio * ratio * (share + further));
+}
+
+/// The last two vertices of one side of a joint, as far as the other side's strategies go.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Side {
+    /// Density of the last vertex from the other end over that from its own.
+    pub last: f64,
+    /// Share of the strategy that gives the last vertex away: 0 or 1, or the square of what it
+    /// is drawn with otherwise.
+    pub last_share: f64,
+    /// The same of the vertex before it.
+    pub before: f64,
+    /// The same of the vertex before it.
+    pub before_share: f64,
+    /// What is known of the vertices before those.
+    pub given_away: f64,
+}
+
+impl Side {
+    /// Sum of the squared densities of the other side's strategies; not a number where it is
+    /// out of range.
+    #[inline]
+    pub fn sum(&self) -> f64 {
+        let before = self.before * self.before * (self.before_share + self.given_away);
+        in_range(self.last * self.last * (self.last_share + in_range(before)))
+    }
+}
+
+/// Sums beyond this range are left to the slow way, which does not lose them.
+#[inline]
+fn in_range(sum: f64) -> f64 {
+    const LARGEST: f64 = 1e100;
+    if sum == 0.0 || (1.0 / LARGEST..LARGEST).contains(&sum) { sum } else { f64::NAN }
 }
 
 impl Made<'_> {
