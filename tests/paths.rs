@@ -203,7 +203,7 @@ fn contributions_are_value_over_density() {
             let alive = survival(if found.s > 1 { &paths.light } else { &[] }, found.s)
                 * survival(&paths.eye, found.t);
             let truth = whole.estimate(found.s).expect("a path with a value");
-            let value = found.estimate.0.map(|v| f64::from(v) * alive);
+            let value = found.estimate.0.map(|v| f64::from(v) * alive * f64::from(found.kept));
             compared.push((format!("{name}: strategy ({}, {})", found.s, found.t), value, truth));
         });
         let largest = |truth: &[f64; LANES]| truth.iter().copied().fold(0.0, f64::max);

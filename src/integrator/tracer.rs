@@ -3,7 +3,7 @@
 //! Path tracing, light tracing and bidirectional path tracing are this loop with three lists
 //! of strategies; what a list does not need is not walked.
 
-use crate::path::{Contribution, Density, Eye, Joiner, Lanes, Media, Subpaths, Vertex, Walker};
+use crate::path::{Contribution, Density, Eye, Joiner, Lanes, Media, Subpaths, Walker};
 use crate::sampler::{Sampler, Stream};
 use crate::scene::{Plan, Scene};
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -92,7 +92,7 @@ impl<'a> Tracer<'a> {
         }
         if strategies.asks_eye {
             for s in 2..=paths.light.len() {
-                if !is_mirror(&paths.light[s - 1]) {
+                if !paths.light[s - 1].is_mirror() {
                     joiner.ask_eye(paths, s, put);
                 }
             }
@@ -120,14 +120,12 @@ impl<'a> Tracer<'a> {
             if strategies.meets_lights {
                 joiner.met_light(paths, put);
             }
-            if !is_mirror(&vertex) {
+            if !vertex.is_mirror() {
                 if strategies.asks_lights {
                     joiner.ask_light(paths, put);
                 }
-                for s in 2..=if strategies.joins { paths.light.len() } else { 0 } {
-                    if strategies.plans(s, paths.eye.len()) && !is_mirror(&paths.light[s - 1]) {
-                        joiner.join(paths, s, put);
-                    }
+                if strategies.joins {
+                    joiner.join(paths, put);
                 }
             }
             if !walker.leave(&mut paths.eye, &mut heading) {
@@ -175,9 +173,4 @@ fn walk_from_light<'a, D: Density>(
             break;
         }
     }
-}
-
-/// Whether nothing can be joined to a vertex.
-fn is_mirror(vertex: &Vertex<'_>) -> bool {
-    vertex.surface().is_some_and(|surface| surface.bsdf.is_delta())
 }

@@ -29,6 +29,8 @@ pub struct Contribution {
     pub position: Option<[f64; 2]>,
     /// The vertex that belongs to no subpath: of the light for s = 1, of the eye for t < 2.
     pub end: Option<End>,
+    /// Probability with which the contribution was kept; the estimate is larger by its inverse.
+    pub kept: f32,
 }
 
 /// An end of a path that was found from its neighbour.
@@ -58,6 +60,16 @@ pub struct Subpaths<'a> {
     /// Density with which the second vertex of the first would ask for its first.
     pub asked: f64,
     known: Vec<Known>,
+    proposals: Vec<Proposal>,
+}
+
+/// A contribution that an obstacle may still take away.
+#[derive(Clone, Copy, Debug)]
+struct Proposal {
+    contribution: Contribution,
+    ray: Ray,
+    /// What it would add to the picture, in any unit.
+    size: f32,
 }
 
 /// Joins subpaths in all ways that a plan lists.
@@ -173,9 +185,39 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         self.hand_on(paths, &joint, found, put);
     }
 
-    /// s > 1, t > 1: a vertex that light has reached, by its index, and the last one from the
-    /// eye.
-    pub fn join(&self, paths: &mut Subpaths<'a>, s: usize, put: &mut impl FnMut(&Contribution)) {
+    /// s > 1, t > 1: vertices that light has reached and the last one from the eye.
+    ///
+    /// All joints are judged, and one of them is looked along for obstacles, in proportion to
+    /// what it would contribute: mostly all are clear, and one ray tells as much as many.
+    pub fn join(&self, paths: &mut Subpaths<'a>, put: &mut impl FnMut(&Contribution)) {
+        paths.proposals.clear();
+        let t = paths.eye.len();
+        for s in 2..=paths.light.len() {
+            if !paths.light[s - 1].is_mirror() && self.walker.plan.strategies.plans(s, t) {
+                self.propose(paths, s);
+            }
+        }
+        let total: f32 = paths.proposals.iter().map(|proposal| proposal.size).sum();
+        let mut left = match paths.proposals.len() {
+            0 => return,
+            1 => 0.0,
+            _ => self.walker.sampler.single(Stream::Visibility, t as u32) * total,
+        };
+        let within = |proposal: &&Proposal| {
+            left -= proposal.size;
+            left < 0.0
+        };
+        // Rounding may leave a little over: the last one takes it.
+        let chosen = paths.proposals.iter().find(within).or(paths.proposals.last());
+        let Some(Proposal { contribution, ray, size }) = chosen else { return };
+        if self.walker.scene.geometry.occluded(ray) {
+            return;
+        }
+        let kept = size / total;
+        put(&Contribution { estimate: contribution.estimate * (1.0 / kept), kept, ..*contribution });
+    }
+
+    fn propose(&self, paths: &mut Subpaths<'a>, s: usize) {
         let walker = &self.walker;
         let t = paths.eye.len();
         let [.., before_eye, eye] = &paths.eye[..] else { return };
@@ -195,9 +237,6 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         }
         estimate *= 1.0 / squared;
         let Some(ray) = eye.point.ray_to(&light.point) else { return };
-        if walker.scene.geometry.occluded(&ray) {
-            return;
-        }
         if walker.plan.tracks_media {
             estimate *= self.transmitted(&eye.media_towards(towards_light), ray.t_max);
         }
@@ -215,7 +254,11 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             ),
         };
         let joint = paths.joint(s, t, fresh, None);
-        self.hand_on(paths, &joint, Found::here(estimate), put);
+        let contribution = self.judged(paths, &joint, Found::here(estimate));
+        let size = contribution.estimate.mean() * contribution.weight;
+        if size > 0.0 {
+            paths.proposals.push(Proposal { contribution, ray, size });
+        }
     }
 
     /// t = 1, s > 1: a vertex that light has reached, by its index, asks the eye.
@@ -389,6 +432,10 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         found: Found,
         put: &mut impl FnMut(&Contribution),
     ) {
+        put(&self.judged(paths, joint, found));
+    }
+
+    fn judged(&self, paths: &mut Subpaths<'a>, joint: &Joint, found: Found) -> Contribution {
         let strategies = &self.walker.plan.strategies;
         let quick = if D::SCALAR { joint.quick_weight(paths, self.eye, strategies) } else { f64::NAN };
         let judged = if quick.is_nan() {
@@ -406,7 +453,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let Joint { s, t, .. } = *joint;
         let Found { estimate, position, end } = found;
         let estimate = estimate * (1.0 / judged.lane_mean) as f32;
-        put(&Contribution { s, t, estimate, weight: judged.weight as f32, position, end });
+        Contribution { s, t, estimate, weight: judged.weight as f32, position, end, kept: 1.0 }
     }
 }
 

@@ -102,6 +102,12 @@ impl<'a> Vertex<'a> {
         }
     }
 
+    /// Whether nothing can be joined to the vertex.
+    #[inline]
+    pub fn is_mirror(&self) -> bool {
+        self.surface().is_some_and(|surface| surface.bsdf.is_delta())
+    }
+
     /// Solid angle at another position over area here; zero for what no direction meets.
     #[inline]
     pub fn solid_angle_per_area_from(&self, position: Vec3A) -> f64 {
