@@ -1,6 +1,8 @@
 //! What the tests share: scenes from text, readings, and the judgement of a statistical one.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub mod scenes;
+
 use etalon::integrator::{Reading, read_meters};
 use etalon::scene::Scene;
 use serde_json::{Value, json};
