@@ -1,5 +1,19 @@
-//! Means with error bars.
+//! Means with error bars, the distance of a picture from a reference, and whether two
+//! estimates of a picture agree.
 
+mod agreement;
 mod batches;
+mod cells;
+mod error_measures;
+mod multiple;
+mod pyramid;
+mod ratio;
+mod together;
+mod welch;
 
+pub use agreement::{ALPHA, Agreement, Verdict};
 pub use batches::{BATCHES, BatchMean};
+pub use cells::{LevelTest, WorstCell};
+pub use error_measures::{FLOOR_SHARE, RelativeMse, relative_mse};
+pub use ratio::{MARGIN, RatioInterval};
+pub use together::PValuesTest;

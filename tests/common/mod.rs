@@ -1,6 +1,8 @@
 //! What the tests share: scenes from text, readings, and the judgement of a statistical one.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub mod scenes;
+
 use etalon::camera::Sensor;
 use etalon::geometry::SurfacePoint;
 use etalon::integrator::{Draw, Integrator, Reading, Tracer, read_meters};

@@ -1,0 +1,75 @@
+//! Path tracing, light tracing and bidirectional path tracing see the same pictures.
+//!
+//! Each scene is rendered in independent batches by each integrator that can see all of it, and
+//! judged pixel by pixel, level by level of an image pyramid and as a whole, where the 95 %
+//! interval of the ratio must lie within 0.2 %. A scene on which nothing differs fails once in
+//! a thousand draws of the seeds; the seeds are fixed.
+
+mod common;
+
+use common::{scene, scenes};
+use etalon::integrator::{Budget, Integrator, Silent, render};
+use etalon::scene::{Plan, Scene};
+use etalon::statistics::{Agreement, MARGIN, Verdict};
+use serde_json::Value;
+
+const BATCHES: u64 = 16;
+const LUMINANCE: usize = 1;
+
+/// Luminance pictures of independent batches.
+fn batches(scene: &Scene, integrator: Integrator, samples_per_pixel: u64) -> Vec<Vec<f64>> {
+    let view = scene.view().expect("a camera");
+    let plan = Plan::of(scene, &view.sensor, integrator.strategies());
+    let batch = |batch: u64| {
+        let seed = batch + 1000 * (1 + integrator as u64);
+        let film = render(scene, view, &plan, &Budget { samples_per_pixel, time: None, seed }, &Silent).film;
+        assert_eq!(film.non_finite_samples, 0);
+        (0..film.pixels()).map(|pixel| film.mean(pixel, LUMINANCE)).collect()
+    };
+    (0..BATCHES).map(batch).collect()
+}
+
+/// Judges a scene; the numbers are samples per pixel in each batch.
+fn assert_agree(json: &Value, path_spp: u64, bdpt_spp: u64, light_spp: Option<u64>) {
+    let name = json["name"].as_str().expect("a name");
+    let scene = scene(json);
+    let [width, height] = scene.view().expect("a camera").camera.resolution().map(|side| side as usize);
+    let bdpt = batches(&scene, Integrator::Bdpt, bdpt_spp);
+    let mut others = vec![(Integrator::Path, path_spp)];
+    others.extend(light_spp.map(|spp| (Integrator::Light, spp)));
+    for (other, spp) in others {
+        let agreement = Agreement::of(&batches(&scene, other, spp), &bdpt, width, height, MARGIN);
+        println!("{name}, {} against bdpt\n{agreement}", other.name());
+        assert!(
+            matches!(agreement.verdict, Verdict::Equal),
+            "{name}, {} against bdpt: {agreement}",
+            other.name()
+        );
+    }
+}
+
+macro_rules! agree {
+    ($($test:ident: $scene:ident, $path:expr, $bdpt:expr, $light:expr;)*) => {$(
+        #[test]
+        fn $test() {
+            assert_agree(&scenes::$scene(), $path, $bdpt, $light);
+        }
+    )*};
+}
+
+agree! {
+    a_diffuse_room: diffuse, 64, 32, Some(64);
+    a_glossy_room: glossy, 64, 32, Some(64);
+    glass: glass, 64, 32, None;
+    a_dispersive_prism: dispersive_prism, 64, 32, None;
+    metal_and_mirrors: metal, 64, 32, None;
+    a_wide_lens: thin_lens, 64, 32, Some(64);
+    a_tiny_bulb: tiny_bulb, 64, 32, Some(64);
+    a_large_panel: large_panel, 64, 32, Some(64);
+    a_point_light: point_light, 64, 32, Some(64);
+    a_light_in_glass: light_in_glass, 64, 32, None;
+    a_camera_in_glass: camera_in_glass, 64, 32, None;
+    a_camera_in_absorbing_glass: camera_in_absorbing_glass, 64, 32, None;
+    smooth_normals_on_flat_faces: smooth_normals, 64, 32, Some(64);
+    the_ball: ball, 64, 32, Some(64);
+}
