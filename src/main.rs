@@ -1,6 +1,7 @@
 //! The program `etalon`: prints errors and picks exit codes; the work is in `cli`.
 //!
-//! Exit codes: 0 done, 1 something failed, 2 something that the user gave is wrong.
+//! Exit codes: 0 done, 1 something failed, 2 something that the user gave is wrong, 3 the
+//! picture would miss light and `--strict` was asked for.
 
 mod cli;
 

@@ -129,9 +129,9 @@ fn rooms() -> Vec<(&'static str, Scene)> {
 }
 
 /// The vertices of a contribution from the light on.
-fn vertices<'a>(found: &Contribution, paths: &Subpaths<'a>) -> Option<Vec<Vertex<'a>>> {
-    let mut light: Vec<Vertex<'a>> = paths.light.iter().take(found.s).copied().collect();
-    let mut eye: Vec<Vertex<'a>> = paths.eye.iter().take(found.t).copied().collect();
+fn vertices(found: &Contribution, paths: &Subpaths) -> Option<Vec<Vertex>> {
+    let mut light: Vec<Vertex> = paths.light.iter().take(found.s).copied().collect();
+    let mut eye: Vec<Vertex> = paths.eye.iter().take(found.t).copied().collect();
     let any = *paths.eye.first()?;
     if found.s == 1 {
         let end = found.end?;
@@ -161,10 +161,11 @@ fn vertices<'a>(found: &Contribution, paths: &Subpaths<'a>) -> Option<Vec<Vertex
 fn each_contribution(
     scene: &Scene,
     samples: u32,
-    mut check: impl for<'a> FnMut(&Contribution, &Subpaths<'a>, Whole<'a, '_>, &Plan),
+    mut check: impl for<'a> FnMut(&Contribution, &Subpaths, Whole<'a, '_>, &Plan),
 ) {
     let view = scene.view().expect("a camera");
-    let plan = Plan::of(scene, &Sensor::cie(), Strategies::ALL);
+    let mut plan = Plan::of(scene, &Sensor::cie(), Strategies::ALL);
+    plan.strategies = Strategies::ALL;
     let tracer = Tracer::new(scene, &plan, Eye::Camera(&view.camera));
     let eye = Eye::Camera(&view.camera);
     let numbers = BlockSampler::new(3, 0, 0, samples);
@@ -196,7 +197,7 @@ fn contributions_are_value_over_density() {
             if found.t == 0 {
                 return;
             }
-            let survival = |walk: &[Vertex<'_>], count: usize| match count {
+            let survival = |walk: &[Vertex], count: usize| match count {
                 0 => 1.0,
                 _ => walk.get(count - 1).map_or(1.0, |vertex| f64::from(vertex.survival)),
             };

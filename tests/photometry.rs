@@ -2,13 +2,13 @@
 
 mod common;
 
-use common::{assert_reads, illuminance, luminance, metered, read_one};
+use common::{assert_reads, illuminance, instrument_plan, luminance, metered, read_one};
 use etalon::camera::{CIE_SENSOR, Sensor};
 use etalon::geometry::SurfacePoint;
 use etalon::integrator::{Draw, Tracer};
-use etalon::path::{Eye, Strategies, Subpaths};
+use etalon::path::{Eye, Subpaths};
 use etalon::sampler::{BlockSampler, Stream};
-use etalon::scene::{Plan, Scene};
+use etalon::scene::Scene;
 use etalon::spectrum::CsvTable;
 use glam::Vec3A;
 use serde_json::{Value, json};
@@ -201,7 +201,7 @@ fn cie_171_case_5_3_area_source() {
 /// Illuminance at each of many points of a wall, for the cases that average over walls.
 fn mean_over_walls(scene: &Scene, size: [f64; 3], points: u32) -> f64 {
     let sensor = Sensor::named(CIE_SENSOR).expect("built in");
-    let plan = Plan::of(scene, &sensor, Strategies::PATH.for_instruments());
+    let plan = instrument_plan(scene, &sensor);
     let mut paths = Subpaths::default();
     let (mut flux, mut area) = (0.0, 0.0);
     for face in 0..6_usize {

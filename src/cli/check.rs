@@ -50,8 +50,15 @@ fn explain(scene: &Scene) -> Result<String, std::fmt::Error> {
         )?;
     }
     if let Some(view) = &scene.view {
-        for reason in Plan::of(scene, &view.sensor, Integrator::default().strategies()).reasons {
+        let plan = Plan::of(scene, &view.sensor, Integrator::default().strategies());
+        for reason in &plan.reasons {
             writeln!(text, "plan       {reason}")?;
+        }
+        for integrator in Integrator::ALL {
+            let plan = Plan::of(scene, &view.sensor, integrator.strategies());
+            for class in &plan.unreachable {
+                writeln!(text, "missing    {}: {} ({})", integrator.name(), class.meaning, class.word)?;
+            }
         }
     }
     for note in &scene.notes {

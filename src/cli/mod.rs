@@ -7,6 +7,7 @@ mod progress;
 mod render;
 mod schema;
 mod spectra;
+mod strategies;
 mod validate;
 
 use clap::{Parser, Subcommand};

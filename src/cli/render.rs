@@ -2,6 +2,7 @@
 
 use super::arguments::Effort;
 use super::progress::Bar;
+use super::strategies;
 use clap::Args;
 use etalon::camera::Development;
 use etalon::error::{Error, Result};
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Samples per pixel where nothing is said.
-const DEFAULT_SPP: u64 = 64;
+pub(super) const DEFAULT_SPP: u64 = 64;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -26,6 +27,13 @@ pub struct Arguments {
     png: Option<PathBuf>,
     #[command(flatten)]
     effort: Effort,
+    /// Also write what each bidirectional strategy finds, weighted and by itself: EXRs and a
+    /// contact sheet, for paths of up to 7 vertices
+    #[arg(long, value_name = "DIR", conflicts_with = "time")]
+    strategies: Option<PathBuf>,
+    /// Do not render, and exit with code 3, where light of some paths cannot be found
+    #[arg(long)]
+    strict: bool,
     /// Add linear sRGB channels R, G, B in cd/m2 to the EXR
     #[arg(long)]
     linear_srgb: bool,
@@ -47,6 +55,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         view.sensor = view.sensor.with_spectral_layers(usize::from(count));
     }
     let layers = Layers { linear_srgb: arguments.linear_srgb };
+    let plan = Plan::of(&scene, &view.sensor, arguments.effort.integrator.strategies());
+    if arguments.strict && !plan.unreachable.is_empty() {
+        eprintln!("error: {}: {}", arguments.scene.display(), missing(&plan));
+        return Ok(ExitCode::from(3));
+    }
+    if let Some(folder) = &arguments.strategies {
+        strategies::prepare(folder)?;
+    }
     let facts = render_to_files(
         &scene,
         &view,
@@ -67,7 +83,21 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if facts.non_finite_samples > 0 {
         eprintln!("warning: {} samples were not finite and count as zero", facts.non_finite_samples);
     }
+    if let Some(folder) = &arguments.strategies {
+        let sheet = strategies::write(folder, &scene, &view, &plan, &arguments.effort, layers)?;
+        super::print(&format!("{}: every strategy by itself and weighted", sheet.display()));
+    }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What a plan's strategies cannot find, on one line.
+fn missing(plan: &Plan) -> String {
+    let classes: Vec<String> =
+        plan.unreachable.iter().map(|class| format!("{} ({})", class.meaning, class.word)).collect();
+    format!(
+        "cannot be found and is missing: {}; give the lamp its real size, or the camera a lens (focus_distance)",
+        classes.join("; ")
+    )
 }
 
 /// Whether a file of this name can be written: its ending, its folder, the permissions.
@@ -105,6 +135,9 @@ pub fn render_to_files(
 ) -> anyhow::Result<Facts> {
     check_memory(view)?;
     let plan = Plan::of(scene, &view.sensor, effort.integrator.strategies());
+    if !plan.unreachable.is_empty() {
+        eprintln!("warning: {}", missing(&plan));
+    }
     let budget = effort.budget(default_spp);
     let bar = Bar::new();
     let Rendering { film, elapsed } = render(scene, view, &plan, &budget, &bar);

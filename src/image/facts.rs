@@ -31,6 +31,8 @@ pub struct Facts {
     pub camera: CameraRecord,
     /// What was planned, in plain words.
     pub plan: Vec<String>,
+    /// Paths that carry light and that the integrator cannot make.
+    pub missing: Vec<String>,
     /// Remarks on the scene's data.
     pub notes: Vec<String>,
     /// Estimated relative error of the luminance picture; `None` from a single block.
@@ -102,6 +104,7 @@ impl Facts {
                 white_xyz: view.white,
             },
             plan: plan.reasons.clone(),
+            missing: plan.unreachable.iter().map(|c| format!("{}: {}", c.word, c.meaning)).collect(),
             notes: scene.notes.clone(),
             relative_error: film.relative_error(),
             non_finite_samples: film.non_finite_samples,

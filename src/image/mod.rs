@@ -6,10 +6,12 @@
 mod developed;
 mod exr_file;
 mod facts;
+mod sheet;
 
 pub use developed::write_developed;
 pub use exr_file::{Layers, write_exr};
 pub use facts::{CameraRecord, Facts};
+pub use sheet::{Tile, write_sheet};
 
 use crate::error::{Error, Result};
 use std::path::Path;

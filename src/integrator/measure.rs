@@ -36,7 +36,8 @@ pub struct Reading {
 /// Reads every meter of a scene with `samples` paths each, rounded up to whole batches.
 pub fn read_meters(scene: &Scene, integrator: Integrator, samples: u64, seed: u64) -> Vec<Reading> {
     let sensor = meter_sensor();
-    let plan = Plan::of(scene, &sensor, integrator.strategies().for_instruments());
+    let mut plan = Plan::of(scene, &sensor, integrator.strategies());
+    plan.strategies = plan.strategies.for_instruments();
     let one = |(index, meter): (usize, &Meter)| {
         let eye = match meter.kind {
             MeterKind::Illuminance(point) => Eye::Irradiance(point),

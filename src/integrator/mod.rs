@@ -5,10 +5,12 @@
 
 mod blocks;
 mod measure;
+mod pyramid;
 mod tracer;
 
 pub use blocks::{Budget, Progress, Rendering, Silent};
 pub use measure::{Reading, read_meters};
+pub use pyramid::{Pyramid, StrategyFilms, render_pyramid};
 pub use tracer::{Draw, Tracer};
 
 use crate::path::Eye;

@@ -16,7 +16,7 @@ pub struct Tracer<'a> {
     plan: &'a Plan,
     eye: Eye<'a>,
     /// What the eye is in.
-    media: Media<'a>,
+    media: Media,
 }
 
 /// What decides a sample.
@@ -46,7 +46,7 @@ impl<'a> Tracer<'a> {
     /// Hands every contribution of one sample to `put`: radiance in W sr^-1 m^-2 nm^-1 at each
     /// wavelength (irradiance in W m^-2 nm^-1 for an irradiance meter), whose mean over lanes
     /// and samples is the truth.
-    pub fn trace(&self, draw: &Draw<'_>, paths: &mut Subpaths<'a>, put: &mut impl FnMut(&Contribution)) {
+    pub fn trace(&self, draw: &Draw<'_>, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
         if self.plan.lanes_differ {
             self.trace_with::<Lanes>(draw, paths, put);
         } else {
@@ -56,7 +56,7 @@ impl<'a> Tracer<'a> {
 
     /// What the sample adds where it was drawn; contributions elsewhere in the picture are
     /// left out.
-    pub fn gather(&self, draw: &Draw<'_>, paths: &mut Subpaths<'a>) -> Spectrum {
+    pub fn gather(&self, draw: &Draw<'_>, paths: &mut Subpaths) -> Spectrum {
         let mut sum = Spectrum::ZERO;
         self.trace(draw, paths, &mut |contribution| {
             if contribution.position.is_none() || matches!(self.eye, Eye::Irradiance(_)) {
@@ -69,7 +69,7 @@ impl<'a> Tracer<'a> {
     fn trace_with<D: Density>(
         &self,
         draw: &Draw<'_>,
-        paths: &mut Subpaths<'a>,
+        paths: &mut Subpaths,
         put: &mut impl FnMut(&Contribution),
     ) {
         let walker = Walker {
@@ -103,7 +103,7 @@ impl<'a> Tracer<'a> {
         &self,
         joiner: &Joiner<'a, '_, D>,
         draw: &Draw<'_>,
-        paths: &mut Subpaths<'a>,
+        paths: &mut Subpaths,
         put: &mut impl FnMut(&Contribution),
     ) {
         let walker = &joiner.walker;
@@ -137,7 +137,7 @@ impl<'a> Tracer<'a> {
 
 fn walk_from_light<'a, D: Density>(
     joiner: &Joiner<'a, '_, D>,
-    paths: &mut Subpaths<'a>,
+    paths: &mut Subpaths,
     put: &mut impl FnMut(&Contribution),
 ) {
     let walker = &joiner.walker;

@@ -131,7 +131,7 @@ mod tests {
     use crate::geometry::{GeometryBuilder, Shape, Transform};
     use crate::light::{AreaLight, Distribution, PointLight};
     use crate::sampler::mix;
-    use crate::spectrum::Dense;
+    use crate::spectrum::{Dense, Emission};
     use glam::DVec3;
 
     fn uniform(state: &mut u64) -> f64 {
@@ -144,7 +144,11 @@ mod tests {
     }
 
     fn point(position: Vec3A, distribution: Distribution) -> Light {
-        Light::Point(PointLight { position, distribution, intensity: Dense::Flat(1.0) })
+        Light::Point(PointLight {
+            position,
+            distribution,
+            intensity: Emission::new(Dense::Flat(1.0), vec![]),
+        })
     }
 
     fn among(lights: Vec<(Light, f64)>) -> Lights {
@@ -291,7 +295,9 @@ mod tests {
             builder.add_object(&shape, &Transform::IDENTITY).expect("a lamp");
         }
         let geometry = builder.build().expect("a row of lamps");
-        let lamp = |i: u32| (Light::Area(AreaLight::new(&geometry, i, Dense::Flat(1.0), i >= 4)), 1.0);
+        let lamp = |i: u32| {
+            (Light::Area(AreaLight::new(&geometry, i, Emission::new(Dense::Flat(1.0), vec![]), i >= 4)), 1.0)
+        };
         let lights = Lights::new(&geometry, (0..8).map(lamp).collect());
         for x in [-1.0, 2.0, 3.5, 6.0] {
             let below = geometry.to_scene(DVec3::new(x, 0.3, 0.0));

@@ -50,11 +50,11 @@ impl End {
 
 /// The two subpaths of a sample; kept between samples for its memory.
 #[derive(Debug, Default)]
-pub struct Subpaths<'a> {
+pub struct Subpaths {
     /// From a light on.
-    pub light: Vec<Vertex<'a>>,
+    pub light: Vec<Vertex>,
     /// From the eye on.
-    pub eye: Vec<Vertex<'a>>,
+    pub eye: Vec<Vertex>,
     /// Light emitted along the first.
     pub emitted: Spectrum,
     /// Density with which the second vertex of the first would ask for its first.
@@ -79,7 +79,7 @@ pub struct Joiner<'a, 'd, D> {
     /// What the paths end at.
     pub eye: &'d Eye<'a>,
     /// What the eye is in.
-    pub eye_media: Media<'a>,
+    pub eye_media: Media,
     /// How densities are kept.
     pub densities: PhantomData<D>,
 }
@@ -106,7 +106,7 @@ impl Source<'_> {
     }
 
     /// Density with which light from here reaches a vertex.
-    fn reaches(&self, vertex: &Vertex<'_>) -> AreaPdf {
+    fn reaches(&self, vertex: &Vertex) -> AreaPdf {
         let span = vertex.point.position - self.point.position;
         let density = self.light.pdf_emission(self.point.normal, span.normalize_or_zero());
         AreaPdf::of_all_lanes(density * vertex.solid_angle_per_area_from(self.point.position))
@@ -115,7 +115,7 @@ impl Source<'_> {
 
 impl<'a, D: Density> Joiner<'a, '_, D> {
     /// s = 0: the subpath from the eye has met a surface that shines.
-    pub fn met_light(&self, paths: &mut Subpaths<'a>, put: &mut impl FnMut(&Contribution)) {
+    pub fn met_light(&self, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
         let [.., before, last] = &paths.eye[..] else { return };
         let Some(surface) = last.surface() else { return };
         let Some(index) = surface.light else { return };
@@ -148,7 +148,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
     }
 
     /// s = 1: the last vertex from the eye asks a light.
-    pub fn ask_light(&self, paths: &mut Subpaths<'a>, put: &mut impl FnMut(&Contribution)) {
+    pub fn ask_light(&self, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
         let walker = &self.walker;
         let strategies = &walker.plan.strategies;
         let t = paths.eye.len();
@@ -189,7 +189,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
     ///
     /// All joints are judged, and one of them is looked along for obstacles, in proportion to
     /// what it would contribute: mostly all are clear, and one ray tells as much as many.
-    pub fn join(&self, paths: &mut Subpaths<'a>, put: &mut impl FnMut(&Contribution)) {
+    pub fn join(&self, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
         paths.proposals.clear();
         let t = paths.eye.len();
         for s in 2..=paths.light.len() {
@@ -217,7 +217,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         put(&Contribution { estimate: contribution.estimate * (1.0 / kept), kept, ..*contribution });
     }
 
-    fn propose(&self, paths: &mut Subpaths<'a>, s: usize) {
+    fn propose(&self, paths: &mut Subpaths, s: usize) {
         let walker = &self.walker;
         let t = paths.eye.len();
         let [.., before_eye, eye] = &paths.eye[..] else { return };
@@ -262,7 +262,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
     }
 
     /// t = 1, s > 1: a vertex that light has reached, by its index, asks the eye.
-    pub fn ask_eye(&self, paths: &mut Subpaths<'a>, s: usize, put: &mut impl FnMut(&Contribution)) {
+    pub fn ask_eye(&self, paths: &mut Subpaths, s: usize, put: &mut impl FnMut(&Contribution)) {
         let walker = &self.walker;
         if !walker.plan.strategies.plans(s, 1) {
             return;
@@ -300,7 +300,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
     }
 
     /// s = t = 1: a light is joined to the eye.
-    pub fn light_to_eye(&self, paths: &mut Subpaths<'a>, put: &mut impl FnMut(&Contribution)) {
+    pub fn light_to_eye(&self, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
         let walker = &self.walker;
         if !walker.plan.strategies.plans(1, 1) {
             return;
@@ -334,8 +334,8 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
     /// t = 0: the subpath from the light has met the eye on the way of `heading`.
     pub fn met_eye(
         &self,
-        paths: &mut Subpaths<'a>,
-        heading: &Heading<'a>,
+        paths: &mut Subpaths,
+        heading: &Heading,
         point: SurfacePoint,
         distance: f32,
         put: &mut impl FnMut(&Contribution),
@@ -377,7 +377,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
 
     /// Density with which a vertex would ask for the point that a subpath from a light began
     /// at.
-    pub fn asked_by(&self, start: &Vertex<'_>, asking: &Vertex<'_>) -> f64 {
+    pub fn asked_by(&self, start: &Vertex, asking: &Vertex) -> f64 {
         let Kind::Light { light: index, primitive } = start.kind else { return 0.0 };
         let scene = self.walker.scene;
         let from = &asking.point;
@@ -410,24 +410,24 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         Some((source, sample.shadow_ray, sample.radiance * (1.0 / drawn) as f32))
     }
 
-    fn eye_point(&self, name: usize) -> Option<Vertex<'a>> {
+    fn eye_point(&self, name: usize) -> Option<Vertex> {
         let aperture = self.eye.has_aperture();
         let u = if aperture { self.walker.sampler.pair(Stream::Splat, name as u32) } else { [0.0; 2] };
         Some(self.eye_vertex(self.eye.point(u)?))
     }
 
-    fn eye_vertex(&self, point: SurfacePoint) -> Vertex<'a> {
+    fn eye_vertex(&self, point: SurfacePoint) -> Vertex {
         self.walker.eye_vertex(self.eye, point, self.eye_media)
     }
 
-    fn transmitted(&self, media: &Media<'a>, distance: f32) -> Spectrum {
-        let absorption = media.absorption();
+    fn transmitted(&self, media: &Media, distance: f32) -> Spectrum {
+        let absorption = media.absorption(self.walker.scene);
         absorption.map_or(Spectrum::ONE, |a| transmittance(a, distance, self.walker.wavelengths))
     }
 
     fn hand_on(
         &self,
-        paths: &mut Subpaths<'a>,
+        paths: &mut Subpaths,
         joint: &Joint,
         found: Found,
         put: &mut impl FnMut(&Contribution),
@@ -435,7 +435,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         put(&self.judged(paths, joint, found));
     }
 
-    fn judged(&self, paths: &mut Subpaths<'a>, joint: &Joint, found: Found) -> Contribution {
+    fn judged(&self, paths: &mut Subpaths, joint: &Joint, found: Found) -> Contribution {
         let strategies = &self.walker.plan.strategies;
         let quick = if D::SCALAR { joint.quick_weight(paths, self.eye, strategies) } else { f64::NAN };
         let judged = if quick.is_nan() {
@@ -509,7 +509,7 @@ impl Joint {
     /// The weight from the sums that the walks have kept; not a number where those do not
     /// suffice.
     #[inline]
-    fn quick_weight(&self, paths: &Subpaths<'_>, eye: &Eye<'_>, strategies: &Strategies) -> f64 {
+    fn quick_weight(&self, paths: &Subpaths, eye: &Eye<'_>, strategies: &Strategies) -> f64 {
         let light = self.light_side(paths, strategies).sum();
         let mut eye = self.eye_side(paths, eye, strategies).sum();
         if self.s == 1 {
@@ -531,7 +531,7 @@ impl Joint {
     }
 
     #[inline]
-    fn light_side(&self, paths: &Subpaths<'_>, strategies: &Strategies) -> Side {
+    fn light_side(&self, paths: &Subpaths, strategies: &Strategies) -> Side {
         let Self { s, fresh, .. } = self;
         let mut side = Side::default();
         if *s == 0 {
@@ -555,7 +555,7 @@ impl Joint {
     }
 
     #[inline]
-    fn eye_side(&self, paths: &Subpaths<'_>, eye: &Eye<'_>, strategies: &Strategies) -> Side {
+    fn eye_side(&self, paths: &Subpaths, eye: &Eye<'_>, strategies: &Strategies) -> Side {
         let Self { s, t, fresh, .. } = self;
         let mut side = Side::default();
         if *t == 0 {
@@ -575,7 +575,7 @@ impl Joint {
     }
 }
 
-impl<'a> Subpaths<'a> {
+impl Subpaths {
     /// Forgets both subpaths.
     pub fn clear(&mut self) {
         self.light.clear();

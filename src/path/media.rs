@@ -14,40 +14,42 @@ const SEARCH: Vec3A = Vec3A::new(0.323_1, 0.871_7, 0.368_5);
 
 /// The transparent bodies around a point, the innermost last; light travels through that one.
 #[derive(Clone, Copy, Debug)]
-pub struct Media<'a> {
-    /// Object and absorption coefficient per scene unit.
-    bodies: [(u32, Option<&'a Dense>); DEEPEST],
-    depth: usize,
+pub struct Media {
+    /// Objects in the scene.
+    bodies: [u32; DEEPEST],
+    depth: u32,
 }
 
-impl<'a> Media<'a> {
+impl Media {
     /// Outside everything.
-    pub const NONE: Self = Self { bodies: [(0, None); DEEPEST], depth: 0 };
+    pub const NONE: Self = Self { bodies: [0; DEEPEST], depth: 0 };
 
-    /// What absorbs here; `None` where nothing does.
+    /// Absorption coefficient here, per scene unit; `None` where nothing absorbs.
     #[inline]
-    pub fn absorption(&self) -> Option<&'a Dense> {
-        self.depth.checked_sub(1).and_then(|last| self.bodies[last].1)
+    pub fn absorption<'s>(&self, scene: &'s Scene) -> Option<&'s Dense> {
+        let body = self.bodies[self.depth.checked_sub(1)? as usize];
+        scene.materials[scene.objects[body as usize].material as usize].absorption()
     }
 
-    /// Crosses the surface of a body: into it, or out of it.
-    pub fn cross(&mut self, object: u32, absorption: Option<&'a Dense>, inwards: bool) {
+    /// Crosses the surface of an object: into it, or out of it.
+    pub fn cross(&mut self, object: u32, inwards: bool) {
+        let depth = self.depth as usize;
         if inwards {
-            if self.depth < DEEPEST {
-                self.bodies[self.depth] = (object, absorption);
+            if depth < DEEPEST {
+                self.bodies[depth] = object;
                 self.depth += 1;
             }
-        } else if let Some(found) = self.bodies[..self.depth].iter().rposition(|body| body.0 == object) {
-            self.bodies.copy_within(found + 1..self.depth, found);
+        } else if let Some(found) = self.bodies[..depth].iter().rposition(|body| *body == object) {
+            self.bodies.copy_within(found + 1..depth, found);
             self.depth -= 1;
         }
     }
 
     /// The bodies around a position: those that a ray from there leaves without having
     /// entered, in the order in which it leaves them.
-    pub fn around(scene: &'a Scene, position: Vec3A) -> Self {
+    pub fn around(scene: &Scene, position: Vec3A) -> Self {
         let mut entered: Vec<u32> = Vec::new();
-        let mut left: Vec<(u32, Option<&'a Dense>)> = Vec::new();
+        let mut left: Vec<u32> = Vec::new();
         let mut ray = Ray::new(position, SEARCH.normalize());
         for _ in 0..MOST_CROSSINGS {
             let Some(hit) = scene.geometry.intersect(&ray) else { break };
@@ -61,11 +63,11 @@ impl<'a> Media<'a> {
             } else if let Some(found) = entered.iter().rposition(|object| *object == hit.object) {
                 entered.remove(found);
             } else {
-                left.push((hit.object, material.absorption()));
+                left.push(hit.object);
             }
         }
         let mut media = Self::NONE;
-        left.iter().rev().for_each(|(object, absorption)| media.cross(*object, *absorption, true));
+        left.iter().rev().for_each(|object| media.cross(*object, true));
         media
     }
 }

@@ -15,6 +15,8 @@ pub struct Strategies {
     pub joins: bool,
     /// s > 1, t = 1: vertices that light reaches are joined to the eye.
     pub asks_eye: bool,
+    /// s = 2, t = 1: also those that it reaches directly.
+    pub direct_asks_eye: bool,
     /// s = t = 1: a light is joined to the eye.
     pub light_to_eye: bool,
     /// t = 0: the subpath from a light meets the eye by itself.
@@ -30,6 +32,7 @@ impl Strategies {
         asks_lights: true,
         joins: false,
         asks_eye: false,
+        direct_asks_eye: false,
         light_to_eye: false,
         meets_eye: false,
         only: None,
@@ -40,6 +43,7 @@ impl Strategies {
         asks_lights: false,
         joins: false,
         asks_eye: true,
+        direct_asks_eye: true,
         light_to_eye: true,
         meets_eye: true,
         only: None,
@@ -50,6 +54,7 @@ impl Strategies {
         asks_lights: true,
         joins: true,
         asks_eye: true,
+        direct_asks_eye: true,
         light_to_eye: true,
         meets_eye: true,
         only: None,
@@ -76,6 +81,7 @@ impl Strategies {
             (_, 0) => self.meets_eye,
             (1, 1) => self.light_to_eye,
             (1, _) => self.asks_lights,
+            (2, 1) => self.asks_eye && self.direct_asks_eye,
             (_, 1) => self.asks_eye,
             _ => self.joins,
         };

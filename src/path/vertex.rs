@@ -5,16 +5,16 @@ use crate::geometry::{Frame, Hit, SurfacePoint};
 use crate::material::{Bsdf, BsdfValue, Quantity};
 use crate::measure::{AreaPdf, solid_angle_per_area};
 use crate::scene::Scene;
-use crate::spectrum::{Dense, Spectrum, Wavelengths};
+use crate::spectrum::{Spectrum, Wavelengths};
 use glam::Vec3A;
 
 /// A vertex of a subpath.
 #[derive(Clone, Copy, Debug)]
-pub struct Vertex<'a> {
+pub struct Vertex {
     /// Where it is.
     pub point: SurfacePoint,
     /// What is there.
-    pub kind: Kind<'a>,
+    pub kind: Kind,
     /// Unit direction to the vertex before it in its own subpath; none at an end.
     pub to_previous: Vec3A,
     /// What the subpath has multiplied up before this vertex scatters: scattering and
@@ -35,7 +35,7 @@ pub struct Vertex<'a> {
     /// number where it is out of range or where lanes differ.
     pub given_away: f64,
     /// What the subpath travelled through to get here.
-    pub media: Media<'a>,
+    pub media: Media,
     /// Whether the subpath went on from here by a Dirac delta: no strategy can join here.
     pub is_delta: bool,
 }
@@ -43,7 +43,7 @@ pub struct Vertex<'a> {
 /// What a vertex is.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::large_enum_variant, reason = "nearly all vertices are surfaces")]
-pub enum Kind<'a> {
+pub enum Kind {
     /// The eye; whether it has an area that light can meet.
     Eye {
         /// Whether it has.
@@ -57,12 +57,12 @@ pub enum Kind<'a> {
         primitive: Option<u32>,
     },
     /// A surface.
-    Surface(Surface<'a>),
+    Surface(Surface),
 }
 
 /// A place where light is scattered.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface<'a> {
+pub struct Surface {
     /// Frame in which the material works.
     pub shading: Frame,
     /// The material at the wavelengths of the path.
@@ -73,12 +73,10 @@ pub struct Surface<'a> {
     pub primitive: u32,
     /// Light in the scene, where the object shines.
     pub light: Option<u32>,
-    /// What absorbs within the object.
-    pub absorption: Option<&'a Dense>,
 }
 
-impl<'a> Surface<'a> {
-    pub(super) fn of(scene: &'a Scene, hit: &Hit, wavelengths: &Wavelengths) -> Self {
+impl Surface {
+    pub(super) fn of(scene: &Scene, hit: &Hit, wavelengths: &Wavelengths) -> Self {
         let object = &scene.objects[hit.object as usize];
         let material = &scene.materials[object.material as usize];
         Self {
@@ -87,15 +85,14 @@ impl<'a> Surface<'a> {
             object: hit.object,
             primitive: hit.primitive,
             light: object.light,
-            absorption: material.absorption(),
         }
     }
 }
 
-impl<'a> Vertex<'a> {
+impl Vertex {
     /// The surface, unless the vertex is an end.
     #[inline]
-    pub const fn surface(&self) -> Option<&Surface<'a>> {
+    pub const fn surface(&self) -> Option<&Surface> {
         match &self.kind {
             Kind::Surface(surface) => Some(surface),
             Kind::Eye { .. } | Kind::Light { .. } => None,
@@ -122,7 +119,7 @@ impl<'a> Vertex<'a> {
     /// Whether both directions lie on the sides of the true surface that the shading frame
     /// says they do; light does not leak through where the two normals disagree.
     #[inline]
-    pub(super) fn sides_agree(&self, surface: &Surface<'_>, direction: Vec3A) -> bool {
+    pub(super) fn sides_agree(&self, surface: &Surface, direction: Vec3A) -> bool {
         let (true_normal, shading_normal) = (self.point.normal, surface.shading.normal);
         let agrees = |w: Vec3A| true_normal.dot(w) * shading_normal.dot(w) > 0.0;
         agrees(self.to_previous) && agrees(direction)
@@ -159,7 +156,7 @@ impl<'a> Vertex<'a> {
     /// radiance over it (Veach 1997, equation 5.19): cosines with the true normal for those
     /// with the shading normal. One where the two normals are the same.
     #[inline]
-    pub(super) fn adjoint_factor(&self, surface: &Surface<'_>, direction: Vec3A) -> f32 {
+    pub(super) fn adjoint_factor(&self, surface: &Surface, direction: Vec3A) -> f32 {
         let (true_normal, shading_normal) = (self.point.normal, surface.shading.normal);
         if true_normal == shading_normal {
             return 1.0;
@@ -171,12 +168,12 @@ impl<'a> Vertex<'a> {
     /// What light travels through on the way in a direction, given what the subpath came
     /// through.
     #[inline]
-    pub(super) fn media_towards(&self, direction: Vec3A) -> Media<'a> {
+    pub(super) fn media_towards(&self, direction: Vec3A) -> Media {
         let mut media = self.media;
         if let Some(surface) = self.surface() {
             let (towards, from) = (self.point.normal.dot(direction), self.point.normal.dot(self.to_previous));
             if towards * from < 0.0 && surface.bsdf.transmits() {
-                media.cross(surface.object, surface.absorption, towards < 0.0);
+                media.cross(surface.object, towards < 0.0);
             }
         }
         media

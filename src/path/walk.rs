@@ -41,7 +41,7 @@ pub struct Walker<'a, 'd> {
 
 /// A subpath on its way from its last vertex.
 #[derive(Clone, Copy, Debug)]
-pub struct Heading<'a> {
+pub struct Heading {
     /// Where it goes.
     pub ray: Ray,
     /// What it carries: [`Quantity::Radiance`] from the eye, [`Quantity::Importance`] from a
@@ -56,7 +56,7 @@ pub struct Heading<'a> {
     /// What brings a delta's coefficient to its measure; 1 for a density.
     pub delta_measure: f64,
     /// What the ray travels through.
-    pub media: Media<'a>,
+    pub media: Media,
     /// Density with which the second vertex of a subpath from a light would ask for its first,
     /// once it is known.
     pub asked: f64,
@@ -69,8 +69,8 @@ pub struct Heading<'a> {
     lossless: f32,
 }
 
-impl<'a> Heading<'a> {
-    fn new(ray: Ray, quantity: Quantity, throughput: f32, pdf_solid_angle: f64, media: Media<'a>) -> Self {
+impl Heading {
+    fn new(ray: Ray, quantity: Quantity, throughput: f32, pdf_solid_angle: f64, media: Media) -> Self {
         Self {
             ray,
             quantity,
@@ -88,7 +88,7 @@ impl<'a> Heading<'a> {
 
     /// Density per area with which the ray reaches a vertex.
     #[inline]
-    pub fn pdf_area(&self, from: &Vertex<'_>, to: &Vertex<'_>) -> AreaPdf {
+    pub fn pdf_area(&self, from: &Vertex, to: &Vertex) -> AreaPdf {
         let per_area = to.solid_angle_per_area_from(from.point.position);
         AreaPdf::of_direction(self.pdf, per_area * self.delta_measure)
     }
@@ -96,13 +96,13 @@ impl<'a> Heading<'a> {
 
 impl<'a> Walker<'a, '_> {
     /// A point of the eye as a vertex.
-    pub fn eye_vertex(&self, eye: &Eye<'_>, point: SurfacePoint, media: Media<'a>) -> Vertex<'a> {
+    pub fn eye_vertex(&self, eye: &Eye<'_>, point: SurfacePoint, media: Media) -> Vertex {
         let kind = Kind::Eye { has_area: eye.has_aperture() };
         end(kind, point, AreaPdf::of_all_lanes(eye.pdf_area()), !eye.is_open(), media)
     }
 
     /// Begins a subpath at the eye: its first vertex, and where it goes.
-    pub fn from_eye(&self, eye: &Eye<'_>, drawn: &EyeRay, media: Media<'a>) -> (Vertex<'a>, Heading<'a>) {
+    pub fn from_eye(&self, eye: &Eye<'_>, drawn: &EyeRay, media: Media) -> (Vertex, Heading) {
         let vertex = self.eye_vertex(eye, drawn.point, media);
         let heading =
             Heading::new(drawn.ray, Quantity::Radiance, eye.response(), drawn.pdf_solid_angle, media);
@@ -110,12 +110,7 @@ impl<'a> Walker<'a, '_> {
     }
 
     /// Begins a subpath at a light that was chosen with a probability.
-    pub fn from_light(
-        &self,
-        light: u32,
-        probability: f64,
-        emitted: &EmittedRay,
-    ) -> (Vertex<'a>, Heading<'a>) {
+    pub fn from_light(&self, light: u32, probability: f64, emitted: &EmittedRay) -> (Vertex, Heading) {
         let media =
             if self.plan.tracks_media { Media::around(self.scene, emitted.ray.origin) } else { Media::NONE };
         let lamp = self.scene.lights.get(light);
@@ -132,9 +127,9 @@ impl<'a> Walker<'a, '_> {
 
     /// Follows the ray to the vertex that it meets; `None` where it leaves the scene.
     #[inline]
-    pub fn arrive(&self, from: &Vertex<'_>, heading: &mut Heading<'a>) -> Option<Vertex<'a>> {
+    pub fn arrive(&self, from: &Vertex, heading: &mut Heading) -> Option<Vertex> {
         let hit = self.scene.geometry.intersect(&heading.ray)?;
-        if let Some(absorption) = heading.media.absorption() {
+        if let Some(absorption) = heading.media.absorption(self.scene) {
             heading.throughput *= transmittance(absorption, hit.t, self.wavelengths);
         }
         let mut vertex = Vertex {
@@ -157,7 +152,7 @@ impl<'a> Walker<'a, '_> {
     /// Draws where the subpath goes on from its last vertex, and completes what the last two
     /// vertices know; false where it ends.
     #[inline]
-    pub fn leave(&self, subpath: &mut [Vertex<'a>], heading: &mut Heading<'a>) -> bool {
+    pub fn leave(&self, subpath: &mut [Vertex], heading: &mut Heading) -> bool {
         let (last, before) = subpath.split_last_mut().expect("a walk has come from somewhere");
         let Some(surface) = last.surface() else { return false };
         let (direction, lobe) = match heading.quantity {
@@ -190,7 +185,7 @@ impl<'a> Walker<'a, '_> {
         self.survives(heading)
     }
 
-    fn turn(&self, vertex: &Vertex<'a>, drawn: &BsdfSample, direction: Vec3A, heading: &mut Heading<'a>) {
+    fn turn(&self, vertex: &Vertex, drawn: &BsdfSample, direction: Vec3A, heading: &mut Heading) {
         let Some(surface) = vertex.surface() else { return };
         let hero = Spectrum::splat(drawn.pdf.hero());
         // Divided, not multiplied by a reciprocal: the hero's own density stays exactly one.
@@ -214,7 +209,7 @@ impl<'a> Walker<'a, '_> {
     /// Russian roulette on what the subpath still carries, n^2 factors aside: those come back
     /// when it leaves the medium. Subpaths from a light are ended from the first bounce on, in
     /// proportion to the power that they lose: all that go on carry the same.
-    fn survives(&self, heading: &mut Heading<'_>) -> bool {
+    fn survives(&self, heading: &mut Heading) -> bool {
         let (stream, sure) = match heading.quantity {
             Quantity::Radiance => (Stream::Roulette, SURE_BOUNCES),
             Quantity::Importance => (Stream::LightRoulette, 0),
@@ -236,13 +231,7 @@ impl<'a> Walker<'a, '_> {
 }
 
 /// The vertex at an end.
-fn end<'a>(
-    kind: Kind<'a>,
-    point: SurfacePoint,
-    forward: AreaPdf,
-    is_delta: bool,
-    media: Media<'a>,
-) -> Vertex<'a> {
+fn end(kind: Kind, point: SurfacePoint, forward: AreaPdf, is_delta: bool, media: Media) -> Vertex {
     Vertex {
         point,
         kind,

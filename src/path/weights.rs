@@ -172,11 +172,12 @@ impl<D: Density> Ratio<D> {
 ///
 /// The sums follow from one another as those of Georgiev 2012, "Implementing Vertex Connection
 /// and Merging", with squares for the power heuristic.
-pub fn note_given_away(walk: &mut [Vertex<'_>], quantity: Quantity, asked: f64, strategies: &Strategies) {
+pub fn note_given_away(walk: &mut [Vertex], quantity: Quantity, asked: f64, strategies: &Strategies) {
     let Some((last, before)) = walk.split_last_mut() else { return };
     let ratio = last.reverse.hero() / last.forward.hero();
     let joins = before.last().is_some_and(|previous| !previous.is_delta && !last.is_delta);
     let share = match (before.len(), quantity) {
+        _ if strategies.only.is_some() => 0.0,
         (0, Quantity::Importance) => f64::from(u8::from(strategies.meets_lights)),
         (0, Quantity::Radiance) => f64::from(u8::from(strategies.meets_eye)),
         (1, Quantity::Importance) if joins && strategies.asks_lights => {

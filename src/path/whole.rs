@@ -22,7 +22,7 @@ pub struct Whole<'a, 'e> {
     scene: &'a Scene,
     eye: &'e Eye<'a>,
     wavelengths: Wavelengths,
-    vertices: Vec<Vertex<'a>>,
+    vertices: Vec<Vertex>,
     light: u32,
     primitive: Option<u32>,
 }
@@ -36,7 +36,7 @@ impl<'a, 'e> Whole<'a, 'e> {
         scene: &'a Scene,
         eye: &'e Eye<'a>,
         wavelengths: &Wavelengths,
-        vertices: Vec<Vertex<'a>>,
+        vertices: Vec<Vertex>,
     ) -> Option<Self> {
         let (light, primitive) = match vertices.first()?.kind {
             Kind::Light { light, primitive } => (light, primitive),
@@ -152,18 +152,18 @@ impl<'a, 'e> Whole<'a, 'e> {
             (0..LANES).for_each(|lane| sum[lane] += (f64::from(lanes[lane]) * factor).ln());
         };
         for index in 0..from_light {
-            let (lanes, factor) = self.from_light(index, from_light);
+            let (lanes, factor) = self.drawn_from_light(index, from_light);
             multiply(lanes, factor);
         }
         for index in from_light..count {
-            let (lanes, factor) = self.from_eye(index);
+            let (lanes, factor) = self.drawn_from_eye(index);
             multiply(lanes, factor);
         }
         sum
     }
 
     /// Density of a vertex for a subpath of `vertices` from the light.
-    fn from_light(&self, index: usize, vertices: usize) -> (Spectrum, f64) {
+    fn drawn_from_light(&self, index: usize, vertices: usize) -> (Spectrum, f64) {
         let lights = &self.scene.lights;
         let light = lights.get(self.light);
         match index {
@@ -184,7 +184,7 @@ impl<'a, 'e> Whole<'a, 'e> {
     }
 
     /// Density of a vertex for a subpath from the eye.
-    fn from_eye(&self, index: usize) -> (Spectrum, f64) {
+    fn drawn_from_eye(&self, index: usize) -> (Spectrum, f64) {
         let last = self.count() - 1;
         if index == last {
             return (Spectrum::ONE, self.eye.pdf_area());

@@ -6,11 +6,13 @@ mod file_spectrum;
 mod locate;
 mod objects;
 mod plan;
+mod reach;
 mod read;
 mod spectra;
 mod view;
 
 pub use plan::Plan;
+pub use reach::{Unreachable, unreachable};
 pub use view::CameraFacts;
 
 use crate::camera::{Camera, Exposure, Sensor};

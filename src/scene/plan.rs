@@ -1,6 +1,7 @@
 //! What this scene needs, found out once, and what is left out and why.
 
 use super::Scene;
+use super::reach::{Unreachable, unreachable};
 use crate::camera::Sensor;
 use crate::light::Light;
 use crate::material::Material;
@@ -20,6 +21,8 @@ pub struct Plan {
     pub tracks_media: bool,
     /// The decisions in plain words, each with its reason.
     pub reasons: Vec<String>,
+    /// Paths that carry light and that none of the strategies can make.
+    pub unreachable: Vec<Unreachable>,
 }
 
 impl Plan {
@@ -39,19 +42,46 @@ impl Plan {
         if scene.view.as_ref().is_some_and(|view| !view.camera.has_aperture()) {
             reasons.push("pinhole: no lens sampling".into());
         }
-        if has_point_lights(scene) && scene.materials.iter().any(Material::is_smooth) {
-            reasons.push(
-                "warning: a point light and smooth mirrors or glass: light that only reaches a surface through \
-                 them cannot be found by this integrator and is missing; give the lamp its real size"
-                    .into(),
-            );
-        }
+        let strategies = needed(scene, strategies, &mut reasons);
+        let unreachable = unreachable(scene, &strategies);
         if scene.emitters.iter().all(|emitter| emitter.weight() == 0.0) {
             reasons.push("nothing shines: the picture is black".into());
         }
         let lanes_differ = scene.materials.iter().any(Material::disperses);
-        Self { wavelengths, strategies, lanes_differ, tracks_media, reasons }
+        Self { wavelengths, strategies, lanes_differ, tracks_media, reasons, unreachable }
     }
+}
+
+/// The strategies of a list that a scene has a use for.
+fn needed(scene: &Scene, listed: Strategies, reasons: &mut Vec<String>) -> Strategies {
+    let mut strategies = listed;
+    let aperture = scene.view.as_ref().is_some_and(|view| view.camera.has_aperture());
+    let areas = (0..scene.lights.len()).any(|index| scene.lights.get(index as u32).has_surface());
+    let smooth = scene.materials.iter().any(Material::is_smooth);
+    let mut drop = |planned: &mut bool, unneeded: bool, reason: &str| {
+        if *planned && unneeded {
+            *planned = false;
+            reasons.push(reason.to_owned());
+        }
+    };
+    drop(&mut strategies.meets_lights, !areas, "point lights only: no ray meets a light");
+    drop(&mut strategies.meets_eye, !aperture, "pinhole: no light meets the eye by itself");
+    drop(
+        &mut strategies.meets_eye,
+        listed.asks_eye && !smooth,
+        "nothing smooth: light is joined to the lens, none has to meet it",
+    );
+    drop(
+        &mut strategies.light_to_eye,
+        listed.meets_lights && !has_point_lights(scene),
+        "no point lights: the eye meets by itself what shines in its view",
+    );
+    drop(
+        &mut strategies.direct_asks_eye,
+        listed.asks_lights,
+        "direct light: vertices in view ask the lights, which is surer than light that finds the picture",
+    );
+    strategies
 }
 
 fn has_point_lights(scene: &Scene) -> bool {

@@ -59,7 +59,9 @@ pub fn assert_reads(what: &str, reading: &Reading, truth: f64, relative: f64) {
 
 /// The plan of path tracing for instruments.
 pub fn instrument_plan(scene: &Scene, sensor: &Sensor) -> Plan {
-    Plan::of(scene, sensor, Strategies::PATH.for_instruments())
+    let mut plan = Plan::of(scene, sensor, Strategies::PATH);
+    plan.strategies = plan.strategies.for_instruments();
+    plan
 }
 
 /// One sample of irradiance at a point, in W m^-2 nm^-1.

@@ -1,0 +1,111 @@
+//! Which paths no strategy can make: found from what a scene is made of, before rendering.
+//!
+//! A path is a word (Heckbert 1990): L the light, E the eye, D a vertex that strategies can
+//! join at, S a smooth mirror or refraction, which they cannot. A strategy makes a word where
+//! it can join two neighbours, or where light meets an extended eye or the eye meets an
+//! extended light. What is left for a point light, a pinhole and a list of strategies is a
+//! short list of classes.
+
+use super::Scene;
+use crate::light::Light;
+use crate::material::Material;
+use crate::path::Strategies;
+
+/// A class of paths that would carry light but is missing from the picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unreachable {
+    /// The class as a word.
+    pub word: &'static str,
+    /// What it is in plain words, with the names of the lights.
+    pub meaning: String,
+}
+
+/// What decides which words are made.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    strategies: Strategies,
+    light_has_area: bool,
+    eye_has_area: bool,
+}
+
+impl Case {
+    /// Whether any strategy makes a path with these vertices between light and eye, `true` for
+    /// those that can be joined at.
+    fn makes(&self, between: &[bool]) -> bool {
+        let Self { strategies, light_has_area, eye_has_area } = *self;
+        let (first, last) = (between.first().copied(), between.last().copied());
+        strategies.meets_lights && light_has_area
+            || strategies.meets_eye && eye_has_area
+            || between.is_empty() && strategies.light_to_eye
+            || first == Some(true) && strategies.asks_lights
+            || last == Some(true) && strategies.asks_eye
+            || strategies.joins && between.windows(2).any(|pair| pair[0] && pair[1])
+    }
+}
+
+/// A word for each class, shortest first, with an example and what it means; `true` stands for
+/// D.
+const CLASSES: [(&str, &[bool], &str); 7] = [
+    ("L E", &[], "seen directly"),
+    ("L D E", &[true], "on matte or rough surfaces that it lights directly"),
+    ("L D D+ E", &[true, true], "between matte or rough surfaces"),
+    ("L S+ E", &[false], "seen through smooth glass or in smooth mirrors"),
+    ("L S+ D E", &[false, true], "on matte or rough surfaces behind smooth glass or mirrors (caustics)"),
+    ("L D S+ E", &[true, false], "on matte or rough surfaces that are seen through smooth glass or mirrors"),
+    (
+        "L S+ D S+ E",
+        &[false, true, false],
+        "on matte or rough surfaces behind smooth glass or mirrors, seen through smooth glass or mirrors",
+    ),
+];
+
+/// The classes that a scene may hold and that no strategy of a list makes.
+pub fn unreachable(scene: &Scene, strategies: &Strategies) -> Vec<Unreachable> {
+    let smooth = scene.materials.iter().any(Material::is_smooth);
+    let joinable = scene.materials.iter().any(|material| !material.is_smooth());
+    let eye_has_area = scene.view.as_ref().is_some_and(|view| view.camera.has_aperture());
+    let mut found = Vec::new();
+    for (word, between, meaning) in CLASSES {
+        let exists = between.iter().all(|joins| if *joins { joinable } else { smooth });
+        let names: Vec<&str> = (0..scene.lights.len())
+            .filter(|index| {
+                let light = scene.lights.get(*index as u32);
+                let light_has_area = matches!(light, Light::Area(_));
+                // A pinhole sees a point light directly in one point: that is not looked for
+                // by path tracing, and nobody misses it there.
+                let direct = between.is_empty();
+                exists
+                    && !direct
+                    && !Case { strategies: *strategies, light_has_area, eye_has_area }.makes(between)
+            })
+            .map(|index| scene.emitters[index].name.as_str())
+            .collect();
+        if !names.is_empty() {
+            let lights = names.join(", ");
+            found.push(Unreachable { word, meaning: format!("light of {lights} {meaning}") });
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn missing(strategies: Strategies, light_has_area: bool, eye_has_area: bool) -> Vec<&'static str> {
+        let case = Case { strategies, light_has_area, eye_has_area };
+        CLASSES.iter().filter(|(_, between, _)| !case.makes(between)).map(|(word, ..)| *word).collect()
+    }
+
+    #[test]
+    fn what_each_list_cannot_make_is_named() {
+        let none: [&str; 0] = [];
+        assert_eq!(missing(Strategies::PATH, true, false), none);
+        assert_eq!(missing(Strategies::ALL, true, false), none);
+        assert_eq!(missing(Strategies::ALL, false, true), none);
+        assert_eq!(missing(Strategies::ALL, false, false), ["L S+ E", "L S+ D S+ E"]);
+        assert_eq!(missing(Strategies::PATH, false, false), ["L E", "L S+ E", "L S+ D E", "L S+ D S+ E"]);
+        assert_eq!(missing(Strategies::LIGHT, true, false), ["L S+ E", "L D S+ E", "L S+ D S+ E"]);
+        assert_eq!(missing(Strategies::LIGHT, false, true), none);
+    }
+}
