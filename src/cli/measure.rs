@@ -3,7 +3,7 @@
 use clap::Args;
 use etalon::error::Error;
 use etalon::integrator::{Integrator, Reading, read_meters};
-use etalon::scene::Scene;
+use etalon::scene::{Meter, MeterKind, Scene};
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -36,6 +36,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if scene.meters.is_empty() {
         let hint = "add for example \"meters\": [{\"illuminance\": {\"name\": \"desk\", \"position\": [0, 0, 0], \"normal\": [0, 0, 1]}}]";
         return Err(Error::new("the scene has no meters").hint(hint).in_file(&arguments.scene).into());
+    }
+    let looks = |meter: &Meter| matches!(meter.kind, MeterKind::Luminance { .. });
+    if arguments.integrator == Integrator::Light && scene.meters.iter().any(looks) {
+        return Err(Error::new("light tracing cannot read a luminance meter: no light hits its one ray")
+            .hint("use --integrator path or bdpt")
+            .in_file(&arguments.scene)
+            .into());
     }
     let readings = read_meters(&scene, arguments.integrator, arguments.samples, arguments.seed);
     if arguments.json {

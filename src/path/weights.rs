@@ -134,37 +134,37 @@ impl Density for Lanes {
 /// A product of ratios that may leave the range of f64 and come back.
 #[derive(Clone, Copy)]
 struct Ratio<D> {
+    /// Its largest lane is 1 to 2, or zero.
     value: D,
-    /// How many times `value` was multiplied by [`Ratio::STEP`] to keep it in range.
-    raised: u32,
+    /// Power of two that the value is to be multiplied by.
+    exponent: i64,
 }
 
 impl<D: Density> Ratio<D> {
-    /// A ratio so large that its square leaves nothing for others in the weight, 2^500.
-    const STEP: f64 = f64::from_bits((1023 + 500) << 52);
-
-    const fn new(value: D) -> Self {
-        Self { value, raised: 0 }
+    fn new(value: D) -> Self {
+        let mut ratio = Self { value: D::ONE, exponent: 0 };
+        ratio.multiply(value);
+        ratio
     }
 
-    /// Multiplies; `None` where the ratio is beyond [`Self::STEP`].
-    fn multiply(&mut self, factor: D) -> Option<()> {
+    fn multiply(&mut self, factor: D) {
         self.value = self.value.times(factor);
         let largest = self.value.largest();
-        if largest < 1.0 / Self::STEP {
-            self.value = self.value.scaled(Self::STEP);
-            self.raised += 1;
-        } else if largest > Self::STEP {
-            self.raised = self.raised.checked_sub(1)?;
-            self.value = self.value.scaled(1.0 / Self::STEP);
+        if largest > 0.0 && largest.is_finite() {
+            let exponent = largest.log2().floor();
+            self.value = self.value.scaled(0.5 * (-exponent + 1.0).exp2());
+            self.exponent += exponent as i64;
         }
-        Some(())
     }
 
-    /// Squared mean over the lanes with what the rest of the path contributes.
-    fn squared(&self, rest: D) -> f64 {
-        let mean = if self.raised == 0 { self.value.times(rest).mean() } else { 0.0 };
-        mean * mean
+    /// Squared mean over the lanes with what the rest of the path contributes; `None` where it
+    /// leaves nothing for others.
+    fn squared(&self, rest: D) -> Option<f64> {
+        /// A ratio whose square is far beyond the precision of f64, yet within its range.
+        const BEYOND: i64 = 400;
+        let exponent = self.exponent.clamp(-2 * BEYOND, 2 * BEYOND);
+        let mean = self.value.times(rest).mean() * (exponent as f64).exp2();
+        (mean < (BEYOND as f64).exp2()).then_some(mean * mean)
     }
 }
 
@@ -247,9 +247,9 @@ impl Made<'_> {
         for s in (fewest..self.from_light).rev() {
             let vertex = &self.vertices[s];
             let drawn = if s == 0 { self.first_drawn() } else { vertex.light.hero() };
-            ratio.multiply(D::of(&vertex.eye).scaled(1.0 / drawn))?;
+            ratio.multiply(D::of(&vertex.eye).scaled(1.0 / drawn));
             if self.is_open(strategies, s) {
-                sum += ratio.squared(D::relative(&self.lanes_before(s)).scaled(self.asked_instead(s)));
+                sum += ratio.squared(D::relative(&self.lanes_before(s)).scaled(self.asked_instead(s)))?;
             }
         }
         Some(sum)
@@ -260,14 +260,14 @@ impl Made<'_> {
         let (_, most) = strategies.span(self.count);
         let mut ratio = Ratio::new(D::relative(light_side));
         if self.from_light == 1 {
-            ratio.multiply(D::ONE.scaled(self.vertices[0].light.hero() / self.asked))?;
+            ratio.multiply(D::ONE.scaled(self.vertices[0].light.hero() / self.asked));
         }
         let mut sum = 0.0;
         for s in self.from_light + 1..=most {
             let vertex = &self.vertices[s - 1];
-            ratio.multiply(D::of(&vertex.light).scaled(1.0 / vertex.eye.hero()))?;
+            ratio.multiply(D::of(&vertex.light).scaled(1.0 / vertex.eye.hero()));
             if self.is_open(strategies, s) {
-                sum += ratio.squared(D::relative(&self.lanes_from(s)).scaled(self.asked_instead(s)));
+                sum += ratio.squared(D::relative(&self.lanes_from(s)).scaled(self.asked_instead(s)))?;
             }
         }
         Some(sum)
@@ -307,5 +307,88 @@ impl Made<'_> {
     /// Lanes of the subpath of the vertices from `s` on, as a subpath from the eye.
     fn lanes_from(&self, s: usize) -> Spectrum {
         self.vertices.get(s).map_or(Spectrum::ONE, |vertex| vertex.lanes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::mix;
+
+    /// A number in [0, 1).
+    fn uniform(state: &mut u64) -> f64 {
+        *state = mix(*state);
+        (*state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Densities that differ by many orders of magnitude, between vertices and between lanes.
+    fn densities(count: usize, orders: f64, state: &mut u64) -> Vec<(AreaPdf, AreaPdf)> {
+        let mut draw = || {
+            let lanes = Spectrum::from_fn(|_| (4.0 * uniform(state) - 2.0).exp() as f32);
+            AreaPdf::of_direction(lanes, 10_f64.powf(orders * (2.0 * uniform(state) - 1.0)))
+        };
+        (0..count).map(|_| (draw(), draw())).collect()
+    }
+
+    /// The path as the strategy `s` would keep it.
+    fn known(densities: &[(AreaPdf, AreaPdf)], s: usize) -> Vec<Known> {
+        let relative = |pdf: &AreaPdf| Spectrum::from_fn(|lane| (pdf.lane(lane) / pdf.hero()) as f32);
+        let mut all: Vec<Known> = densities
+            .iter()
+            .map(|(light, eye)| Known { light: *light, eye: *eye, lanes: Spectrum::ONE, is_delta: false })
+            .collect();
+        let mut lanes = Spectrum::ONE;
+        for vertex in &mut all[..s] {
+            lanes *= relative(&vertex.light);
+            vertex.lanes = lanes;
+        }
+        lanes = Spectrum::ONE;
+        for vertex in all[s..].iter_mut().rev() {
+            lanes *= relative(&vertex.eye);
+            vertex.lanes = lanes;
+        }
+        all
+    }
+
+    fn sum_of_weights<D: Density>(densities: &[(AreaPdf, AreaPdf)], asked: f64) -> f64 {
+        let count = densities.len();
+        let strategies = Strategies::ALL;
+        (0..=count)
+            .map(|from_light| {
+                let vertices = known(densities, from_light);
+                Made { vertices: &vertices, count, from_light, asked }.judge::<D>(&strategies).weight
+            })
+            .sum()
+    }
+
+    /// Whatever the densities, the weights of all strategies share the path among them.
+    #[test]
+    fn weights_sum_to_one_at_any_density() {
+        let mut state = 1;
+        for (count, orders) in [(2, 3.0), (3, 30.0), (5, 8.0), (9, 100.0), (300, 3.0), (300, 120.0)] {
+            for _ in 0..50 {
+                let densities = densities(count, orders, &mut state);
+                let asked = 10_f64.powf(6.0 * uniform(&mut state) - 3.0) * densities[0].0.hero();
+                let sum = sum_of_weights::<f64>(&densities, asked);
+                assert!((sum - 1.0).abs() < 1e-9, "{count} vertices over 1e{orders}: {sum}");
+            }
+        }
+    }
+
+    /// The same where every lane has its own densities: lanes are kept in 32 bits, so short
+    /// paths and their rounding.
+    #[test]
+    fn weights_of_lanes_sum_to_one() {
+        let mut state = 2;
+        for (count, orders) in [(2, 3.0), (3, 30.0), (5, 8.0), (9, 100.0)] {
+            for _ in 0..50 {
+                let mut densities = densities(count, orders, &mut state);
+                // The light's own vertex is drawn alike by all lanes.
+                densities[0].0 = AreaPdf::of_all_lanes(densities[0].0.hero());
+                let asked = 10_f64.powf(6.0 * uniform(&mut state) - 3.0) * densities[0].0.hero();
+                let sum = sum_of_weights::<Lanes>(&densities, asked);
+                assert!((sum - 1.0).abs() < 1e-5, "{count} vertices over 1e{orders}: {sum}");
+            }
+        }
     }
 }
