@@ -7,7 +7,7 @@ use clap::Args;
 use etalon::camera::Development;
 use etalon::error::{Error, Result};
 use etalon::image::{Facts, Layers, write_developed, write_exr};
-use etalon::integrator::{Rendering, render};
+use etalon::integrator::{Integrator, Rendering, render};
 use etalon::scene::{Plan, Scene, View};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -55,9 +55,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         view.sensor = view.sensor.with_spectral_layers(usize::from(count));
     }
     let layers = Layers { linear_srgb: arguments.linear_srgb };
-    let plan = Plan::of(&scene, &view.sensor, arguments.effort.integrator.strategies());
+    let effort = &arguments.effort;
+    let plan = Plan::of(&scene, &view.sensor, effort.integrator.strategies());
     if arguments.strict && !plan.unreachable.is_empty() {
-        eprintln!("error: {}: {}", arguments.scene.display(), missing(&plan));
+        eprintln!("error: {}: {}", arguments.scene.display(), missing(&plan, effort.integrator));
         return Ok(ExitCode::from(3));
     }
     if let Some(folder) = &arguments.strategies {
@@ -91,13 +92,17 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
 }
 
 /// What a plan's strategies cannot find, on one line.
-fn missing(plan: &Plan) -> String {
+fn missing(plan: &Plan, integrator: Integrator) -> String {
     let classes: Vec<String> =
         plan.unreachable.iter().map(|class| format!("{} ({})", class.meaning, class.word)).collect();
-    format!(
-        "cannot be found and is missing: {}; give the lamp its real size, or the camera a lens (focus_distance)",
-        classes.join("; ")
-    )
+    let remedy = match integrator {
+        Integrator::Path => {
+            "give the lamp its real size, or use --integrator bdpt and give the camera a lens (focus_distance)"
+        }
+        Integrator::Light => "use --integrator bdpt, and give a point light its real size",
+        Integrator::Bdpt => "give the lamp its real size, or the camera a lens (focus_distance)",
+    };
+    format!("cannot be found and is missing: {}; {remedy}", classes.join("; "))
 }
 
 /// Whether a file of this name can be written: its ending, its folder, the permissions.
@@ -136,7 +141,7 @@ pub fn render_to_files(
     check_memory(view)?;
     let plan = Plan::of(scene, &view.sensor, effort.integrator.strategies());
     if !plan.unreachable.is_empty() {
-        eprintln!("warning: {}", missing(&plan));
+        eprintln!("warning: {}", missing(&plan, effort.integrator));
     }
     let budget = effort.budget(default_spp);
     let bar = Bar::new();

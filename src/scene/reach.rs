@@ -71,11 +71,8 @@ pub fn unreachable(scene: &Scene, strategies: &Strategies) -> Vec<Unreachable> {
             .filter(|index| {
                 let light = scene.lights.get(*index as u32);
                 let light_has_area = matches!(light, Light::Area(_));
-                // A pinhole sees a point light directly in one point: that is not looked for
-                // by path tracing, and nobody misses it there.
-                let direct = between.is_empty();
                 exists
-                    && !direct
+                    && (!between.is_empty() || is_in_view(scene, light))
                     && !Case { strategies: *strategies, light_has_area, eye_has_area }.makes(between)
             })
             .map(|index| scene.emitters[index].name.as_str())
@@ -86,6 +83,15 @@ pub fn unreachable(scene: &Scene, strategies: &Strategies) -> Vec<Unreachable> {
         }
     }
     found
+}
+
+/// Whether the camera sees a light itself; taken for granted of lights with an area.
+fn is_in_view(scene: &Scene, light: &Light) -> bool {
+    let (Some(view), Light::Point(lamp)) = (&scene.view, light) else { return true };
+    let eye = view.camera.point_at(view.camera.placement().position.as_vec3a());
+    let Some(ray) = eye.ray_to_position(lamp.position) else { return false };
+    let in_picture = view.camera.picture_position(eye.position, ray.direction).is_some();
+    in_picture && lamp.distribution.towards(-ray.direction) > 0.0 && !scene.geometry.occluded(&ray)
 }
 
 #[cfg(test)]

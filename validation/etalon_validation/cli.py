@@ -43,6 +43,15 @@ def parser():
     peers.add_argument("--spp", type=int, default=PEER_SPP, help="samples per pixel of the peer")
     peers.set_defaults(run=run_peers)
 
+    efficiency = commands.add_parser("efficiency", help="error at equal processor time of several integrators")
+    efficiency.add_argument("--program", type=Path, default=Path("target/release/etalon"), help="the program etalon")
+    efficiency.add_argument("--scene", type=Path, required=True)
+    efficiency.add_argument("--reference", type=Path, required=True, help="EXR of the scene with little noise; its size is used")
+    efficiency.add_argument("--integrators", default="path,bdpt", help="names; ratios are to the first")
+    efficiency.add_argument("--spp", type=int, default=128, help="samples per pixel of the first")
+    efficiency.add_argument("--repeats", type=int, default=5)
+    efficiency.set_defaults(run=run_efficiency)
+
     plot = commands.add_parser("plot-spectrum", help="draw the spectral table described on standard input")
     plot.add_argument("file", type=Path, help="SVG or PNG to write")
     plot.set_defaults(run=run_plot)
@@ -128,6 +137,14 @@ def run_peers(chosen):
     verdict = compare_with_mitsuba(chosen.case, chosen.spectra, chosen.render, chosen.output, chosen.spp)
     print(verdict)
     return 0 if verdict.startswith("pass") else 1
+
+
+def run_efficiency(chosen):
+    """A line per integrator."""
+    from .efficiency import compare, describe
+
+    names = chosen.integrators.split(",")
+    print(describe(*compare(chosen.program, chosen.scene, chosen.reference, names, chosen.spp, chosen.repeats)))
 
 
 def run_plot(chosen):
