@@ -19,6 +19,8 @@
 //!
 //! * *lane*: one of the wavelengths that a path carries; the *hero* is lane 0.
 //! * *throughput*: what a path has multiplied up so far, per lane.
+//! * *eye*: the camera or instrument that a path ends at; *subpath*: a walk from a light or
+//!   from the eye; *strategy* (s, t): a path made of s vertices from a light and t from the eye.
 //! * *bsdf*, *pdf*: scattering function and density; a pdf is per solid angle unless its
 //!   name says otherwise.
 //! * *delta*: a Dirac delta, stored by its coefficient.

@@ -375,7 +375,13 @@ fn render(scene: &Path, folder: &Path, options: &str) -> Picture {
 
 /// Whether the seed alone decides every bit of a picture.
 fn seed_decides(scene: &Path, folder: &Path) {
-    let common = "--resolution 24x24 --spp 6";
+    for integrator in ["path", "bdpt"] {
+        seed_decides_with(scene, folder, integrator);
+    }
+}
+
+fn seed_decides_with(scene: &Path, folder: &Path, integrator: &str) {
+    let common = format!("--resolution 24x24 --spp 6 --integrator {integrator}");
     let one = render(scene, folder, &format!("{common} --threads 1 --seed 7"));
     let two = render(scene, folder, &format!("{common} --threads 2 --seed 7"));
     let other = render(scene, folder, &format!("{common} --threads 2 --seed 8"));
@@ -394,6 +400,103 @@ fn any_number_of_threads_renders_the_same_bits() {
     for case in ["cornell", "schoedl-2007"] {
         seed_decides(&root().join("reference").join(case).join("scene.json"), &folder);
     }
+    seed_decides_with(&root().join("reference/cornell/scene.json"), &folder, "light");
+}
+
+/// A point lamp, a mirror and a desk before a pinhole.
+fn lamp_in_a_mirror(folder: &Path) -> PathBuf {
+    let scene = serde_json::json!({
+        "name": "mirror", "length_unit": "m",
+        "materials": { "mirror": { "mirror": { "reflectance": 0.9 } }, "desk": { "lambertian": { "reflectance": 0.5 } } },
+        "objects": [
+            { "shape": { "disk": { "center": [0, 0, 1], "normal": [0, 0, -1], "radius": 1 } }, "material": "mirror" },
+            { "shape": { "disk": { "center": [0, -1, 0], "normal": [0, 1, 0], "radius": 3 } }, "material": "desk" }
+        ],
+        "lights": [{ "point": { "position": [3, 0.5, -3],
+            "emission": { "spectrum": "d65", "level": { "flux_lm": 500 } } } }],
+        "camera": { "position": [0, 0, -2], "look_at": [0, -0.5, 0], "up": [0, 1, 0], "focal_length_mm": 30,
+            "sensor_mm": [24, 24], "resolution": [8, 8], "f_stop": 2, "shutter_s": 0.01, "iso": 100 }
+    });
+    let file = folder.join("mirror.json");
+    std::fs::write(&file, scene.to_string()).expect("written");
+    file
+}
+
+#[test]
+fn light_that_cannot_be_found_is_named_and_strict_refuses_it() {
+    let folder = folder("strict");
+    let scene = lamp_in_a_mirror(&folder);
+    let output = folder.join("out.exr");
+    for (integrator, words, remedy) in [
+        ("path", ["(L S+ E)", "(L S+ D E)", "(L S+ D S+ E)"].as_slice(), "bdpt"),
+        ("light", &["(L S+ E)", "(L D S+ E)", "(L S+ D S+ E)"], "bdpt"),
+        ("bdpt", &["(L S+ E)", "(L S+ D S+ E)"], "focus_distance"),
+    ] {
+        let run = |strict: &[&str]| {
+            let fixed = ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), output.as_os_str()];
+            let options = ["--spp", "1", "--integrator", integrator];
+            etalon(fixed.into_iter().chain(options.iter().chain(strict).map(|option| option.as_ref())))
+        };
+        let strict = run(&["--strict"]);
+        assert_eq!(strict.status.code(), Some(3), "{integrator}");
+        assert!(!output.exists(), "nothing is rendered");
+        let lenient = run(&[]);
+        assert_eq!(lenient.status.code(), Some(0), "{integrator}");
+        for message in [text(&strict.stderr), text(&lenient.stderr)] {
+            assert_eq!(message.matches("(L ").count(), words.len(), "{message}");
+            assert!(words.iter().all(|word| message.contains(word)), "{message}");
+            assert!(message.contains(remedy) && message.lines().count() == 1, "{message}");
+        }
+        let facts = Picture::read(&output).facts();
+        assert_eq!(facts["missing"].as_array().map(Vec::len), Some(words.len()), "{facts}");
+        std::fs::remove_file(&output).expect("it was written");
+    }
+    // With a lens, light finds it by itself.
+    let lens = std::fs::read_to_string(&scene)
+        .expect("readable")
+        .replace("\"f_stop\"", "\"focus_distance\":2,\"f_stop\"");
+    std::fs::write(&scene, lens).expect("written");
+    render(&scene, &folder, "--spp 1 --integrator bdpt --strict");
+}
+
+/// The pictures of all strategies add up to the picture, paths beyond the longest shown aside.
+#[test]
+fn strategies_are_shown_one_by_one_and_add_up() {
+    let folder = folder("strategies");
+    let scene = root().join("reference/cornell/scene.json");
+    let shown = folder.join("shown");
+    let options = format!("--spp 16 --resolution 8x8 --integrator bdpt --strategies {}", shown.display());
+    let output = folder.join("all.exr");
+    let fixed = ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), output.as_os_str()];
+    succeed(fixed.into_iter().chain(options.split(' ').map(str::as_ref)));
+    let mean = |picture: &Picture| {
+        let samples = &picture.channels["Y"];
+        samples.iter().map(|bits| f64::from(f32::from_bits(*bits))).sum::<f64>() / samples.len() as f64
+    };
+    let (mut sum, mut files) = (0.0, 0);
+    for entry in std::fs::read_dir(&shown).expect("a folder") {
+        let file = entry.expect("a file").path();
+        if file.to_string_lossy().ends_with("-weighted.exr") {
+            sum += mean(&Picture::read(&file));
+            files += 1;
+        }
+    }
+    // (0, 2) to (0, 7), (1, 2) to (1, 6), and so on: none meets a pinhole, none joins what light
+    // reaches directly to it.
+    assert_eq!(files, 6 + 5 + 4 + 4 + 3 + 2 + 1);
+    let whole = mean(&Picture::read(&output));
+    assert!(sum > 0.9 * whole && sum < 1.1 * whole, "{sum} of {whole}");
+    assert!(shown.join("strategies.png").is_file());
+    let taken = folder.join("taken");
+    std::fs::write(&taken, "").expect("written");
+    let message = fail_in_one_line(
+        fixed_with(&scene, &output).into_iter().chain(["--strategies".into(), taken.into_os_string()]),
+    );
+    assert!(message.contains("make this folder"), "{message}");
+}
+
+fn fixed_with(scene: &Path, output: &Path) -> Vec<std::ffi::OsString> {
+    vec!["render".into(), scene.into(), "-o".into(), output.into()]
 }
 
 #[test]
