@@ -67,7 +67,6 @@ pub struct Subpaths {
 #[derive(Clone, Copy, Debug)]
 struct Proposal {
     contribution: Contribution,
-    ray: Ray,
     /// What it would add to the picture, in any unit.
     size: f32,
 }
@@ -94,6 +93,8 @@ struct Source<'l> {
     started: f64,
     /// Density of the point for a vertex that asks.
     asked: f64,
+    /// Solid angle at the vertex that asks over area at the point; zero for a point light.
+    per_area: f64,
 }
 
 impl Source<'_> {
@@ -138,8 +139,15 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             0.0
         };
         let started = lights.probability_emitting(index) * light.pdf_area();
-        let source =
-            Source { light, index, primitive: Some(surface.primitive), point: last.point, started, asked };
+        let source = Source {
+            light,
+            index,
+            primitive: Some(surface.primitive),
+            point: last.point,
+            started,
+            asked,
+            per_area: 0.0,
+        };
         let reaches = source.reaches(before);
         let estimate = last.throughput * light.emission(self.walker.wavelengths);
         let fresh = Fresh { eye_last: source.starts(), eye_before: reaches, ..Fresh::default() };
@@ -152,7 +160,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let walker = &self.walker;
         let strategies = &walker.plan.strategies;
         let t = paths.eye.len();
-        let [.., before, last] = &paths.eye[..] else { return };
+        let [.., last] = &paths.eye[..] else { return };
         if !strategies.plans(1, t) {
             return;
         }
@@ -167,18 +175,12 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         if walker.plan.tracks_media {
             estimate *= self.transmitted(&last.media_towards(direction), ray.t_max);
         }
-        let from = last.point.position;
-        let per_area = if source.primitive.is_some() {
-            solid_angle_per_area(from, source.point.position, source.point.normal)
-        } else {
-            0.0
-        };
         let mut fresh =
-            Fresh { light_last: AreaPdf::of_direction(scattered.pdf, per_area), ..Fresh::default() };
+            Fresh { light_last: AreaPdf::of_direction(scattered.pdf, source.per_area), ..Fresh::default() };
         if strategies.joins_both_ways() {
             let reverse = last.reverse_pdf(direction, Quantity::Radiance);
             fresh.eye_last = source.reaches(last);
-            fresh.eye_before = AreaPdf::of_direction(reverse, before.solid_angle_per_area_from(from));
+            fresh.eye_before = AreaPdf::of_direction(reverse, last.per_area_of_previous);
         }
         let joint = Joint { s: 1, t, asked: source.asked, started: source.started, fresh, lens: None };
         let found = Found { end: Some(source.end()), ..Found::here(estimate) };
@@ -209,8 +211,10 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         };
         // Rounding may leave a little over: the last one takes it.
         let chosen = paths.proposals.iter().find(within).or(paths.proposals.last());
-        let Some(Proposal { contribution, ray, size }) = chosen else { return };
-        if self.walker.scene.geometry.occluded(ray) {
+        let Some(Proposal { contribution, size }) = chosen else { return };
+        let (light, eye) = (&paths.light[contribution.s - 1], &paths.eye[t - 1]);
+        let Some(ray) = eye.point.ray_to(&light.point) else { return };
+        if self.walker.scene.geometry.occluded(&ray) {
             return;
         }
         let kept = size / total;
@@ -220,8 +224,8 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
     fn propose(&self, paths: &mut Subpaths, s: usize) {
         let walker = &self.walker;
         let t = paths.eye.len();
-        let [.., before_eye, eye] = &paths.eye[..] else { return };
-        let (before_light, light) = (&paths.light[s - 2], &paths.light[s - 1]);
+        let [.., eye] = &paths.eye[..] else { return };
+        let light = &paths.light[s - 1];
         let span = light.point.position - eye.point.position;
         let squared = span.length_squared();
         let towards_light = span / squared.sqrt();
@@ -236,28 +240,27 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             return;
         }
         estimate *= 1.0 / squared;
-        let Some(ray) = eye.point.ray_to(&light.point) else { return };
         if walker.plan.tracks_media {
-            estimate *= self.transmitted(&eye.media_towards(towards_light), ray.t_max);
+            estimate *= self.transmitted(&eye.media_towards(towards_light), squared.sqrt());
         }
         let (eye_at, light_at) = (eye.point.position, light.point.position);
         let fresh = Fresh {
             light_last: AreaPdf::of_direction(seen.pdf, light.solid_angle_per_area_from(eye_at)),
             light_before: AreaPdf::of_direction(
                 light.reverse_pdf(towards_eye, Quantity::Importance),
-                before_light.solid_angle_per_area_from(light_at),
+                light.per_area_of_previous,
             ),
             eye_last: AreaPdf::of_direction(lit.pdf, eye.solid_angle_per_area_from(light_at)),
             eye_before: AreaPdf::of_direction(
                 eye.reverse_pdf(towards_light, Quantity::Radiance),
-                before_eye.solid_angle_per_area_from(eye_at),
+                eye.per_area_of_previous,
             ),
         };
         let joint = paths.joint(s, t, fresh, None);
         let contribution = self.judged(paths, &joint, Found::here(estimate));
         let size = contribution.estimate.mean() * contribution.weight;
         if size > 0.0 {
-            paths.proposals.push(Proposal { contribution, ray, size });
+            paths.proposals.push(Proposal { contribution, size });
         }
     }
 
@@ -268,7 +271,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             return;
         }
         let Some(end) = self.eye_point(s) else { return };
-        let (before, light) = (&paths.light[s - 2], &paths.light[s - 1]);
+        let light = &paths.light[s - 1];
         let Some(ray) = light.point.ray_to(&end.point) else { return };
         let towards_eye = ray.direction;
         let Some(sight) = self.eye.sees(&end.point, -towards_eye) else { return };
@@ -289,7 +292,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             ),
             light_before: AreaPdf::of_direction(
                 light.reverse_pdf(towards_eye, Quantity::Importance),
-                before.solid_angle_per_area_from(light_at),
+                light.per_area_of_previous,
             ),
             eye_last: AreaPdf::of_direction(lit.pdf, end.solid_angle_per_area_from(light_at)),
             eye_before: AreaPdf::ZERO,
@@ -315,14 +318,8 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         if walker.plan.tracks_media {
             estimate *= self.transmitted(&self.eye_media, ray.t_max);
         }
-        let per_area = if source.primitive.is_some() {
-            let at = source.point;
-            solid_angle_per_area(end.point.position, at.position, at.normal)
-        } else {
-            0.0
-        };
         let fresh = Fresh {
-            light_last: AreaPdf::of_all_lanes(sight.pdf_solid_angle * per_area),
+            light_last: AreaPdf::of_all_lanes(sight.pdf_solid_angle * source.per_area),
             eye_last: source.reaches(&end),
             ..Fresh::default()
         };
@@ -399,14 +396,24 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let u = walker.sampler.pair(Stream::LightPoint, name);
         let sample = light.sample_towards(&walker.scene.geometry, point, u, walker.wavelengths)?;
         let drawn = probability * f64::from(sample.pdf_solid_angle);
-        let asked = if sample.primitive.is_some() {
-            drawn * solid_angle_per_area(point.position, sample.point.position, sample.point.normal)
-        } else {
-            drawn
+        let (per_area, asked) = match sample.primitive {
+            Some(_) => {
+                let per_area =
+                    solid_angle_per_area(point.position, sample.point.position, sample.point.normal);
+                (per_area, drawn * per_area)
+            }
+            None => (0.0, drawn),
         };
         let started = lights.probability_emitting(index) * light.pdf_area();
-        let source =
-            Source { light, index, primitive: sample.primitive, point: sample.point, started, asked };
+        let source = Source {
+            light,
+            index,
+            primitive: sample.primitive,
+            point: sample.point,
+            started,
+            asked,
+            per_area,
+        };
         Some((source, sample.shadow_ray, sample.radiance * (1.0 / drawn) as f32))
     }
 
@@ -543,8 +550,11 @@ impl Joint {
             (None, 1) => self.asked,
             (None, _) => walk[s - 1].forward.hero(),
         };
-        side.last = fresh.light_last.hero() / drawn;
         side.last_share = self.share(strategies, s - 1, *s == 1 || !walk[s - 2].is_delta);
+        if side.last_share == 0.0 && !strategies.joins_both_ways() {
+            return side;
+        }
+        side.last = fresh.light_last.hero() / drawn;
         if *s > 1 && strategies.joins_both_ways() {
             side.before = fresh.light_before.hero() / walk[s - 2].forward.hero();
             let joins = *s == 2 || !walk[s - 2].is_delta && !walk[s - 3].is_delta;
@@ -563,8 +573,11 @@ impl Joint {
         }
         let walk = &paths.eye;
         let drawn = if *t == 1 { eye.pdf_area() } else { walk[t - 1].forward.hero() };
-        side.last = fresh.eye_last.hero() / drawn;
         side.last_share = self.share(strategies, s + 1, *t == 1 || !walk[t - 2].is_delta);
+        if side.last_share == 0.0 && !strategies.joins_both_ways() {
+            return side;
+        }
+        side.last = fresh.eye_last.hero() / drawn;
         if *t > 1 && strategies.joins_both_ways() {
             side.before = fresh.eye_before.hero() / walk[t - 2].forward.hero();
             let joins = *t == 2 || !walk[t - 2].is_delta && !walk[t - 3].is_delta;

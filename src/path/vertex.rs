@@ -30,6 +30,8 @@ pub struct Vertex {
     /// Density with which a subpath from the other end would reach it, coming along this
     /// path; known once the subpath has gone on by two vertices.
     pub reverse: AreaPdf,
+    /// Solid angle here over area at the previous vertex, where subpaths are joined.
+    pub per_area_of_previous: f64,
     /// Sum over the strategies that give this vertex, and more of its subpath, to the other
     /// end: squared density relative to the one that keeps it. Known with `reverse`; not a
     /// number where it is out of range or where lanes differ.

@@ -141,11 +141,19 @@ impl<'a> Walker<'a, '_> {
             survival: heading.survival,
             forward: AreaPdf::ZERO,
             reverse: AreaPdf::ZERO,
+            per_area_of_previous: 0.0,
             given_away: f64::NAN,
             media: heading.media,
             is_delta: false,
         };
-        vertex.forward = heading.pdf_area(from, &vertex);
+        let joins = self.plan.strategies.joins_both_ways();
+        // Where nothing is joined, only the density of meeting a light matters.
+        if joins || vertex.surface().is_some_and(|surface| surface.light.is_some()) {
+            vertex.forward = heading.pdf_area(from, &vertex);
+        }
+        if joins {
+            vertex.per_area_of_previous = from.solid_angle_per_area_from(vertex.point.position);
+        }
         Some(vertex)
     }
 
@@ -169,7 +177,7 @@ impl<'a> Walker<'a, '_> {
         }
         if self.plan.strategies.joins_both_ways() {
             let previous = before.last_mut().expect("a surface was reached from somewhere");
-            let per_area = previous.solid_angle_per_area_from(last.point.position);
+            let per_area = last.per_area_of_previous;
             previous.reverse = if drawn.is_delta {
                 // A delta is drawn with the same probability from either side.
                 AreaPdf::of_direction(drawn.pdf, per_area * f64::from(surface.bsdf.delta_measure(wo)))
@@ -241,6 +249,7 @@ fn end(kind: Kind, point: SurfacePoint, forward: AreaPdf, is_delta: bool, media:
         survival: 1.0,
         forward,
         reverse: AreaPdf::ZERO,
+        per_area_of_previous: 0.0,
         given_away: f64::NAN,
         media,
         is_delta,
