@@ -428,9 +428,9 @@ fn light_that_cannot_be_found_is_named_and_strict_refuses_it() {
     let scene = lamp_in_a_mirror(&folder);
     let output = folder.join("out.exr");
     for (integrator, words, remedy) in [
-        ("path", ["(L S+ E)", "(L S+ D E)", "(L S+ D S+ E)"].as_slice(), "bdpt"),
-        ("light", &["(L S+ E)", "(L D S+ E)", "(L S+ D S+ E)"], "bdpt"),
-        ("bdpt", &["(L S+ E)", "(L S+ D S+ E)"], "focus_distance"),
+        ("path", ["(L S+ E)", "(L S+ D E)", "(L S+ (D S+)+ E)"].as_slice(), "bdpt"),
+        ("light", &["(L S+ E)", "(L D S+ E)", "(L S+ (D S+)+ E)"], "bdpt"),
+        ("bdpt", &["(L S+ E)", "(L S+ (D S+)+ E)"], "focus_distance"),
     ] {
         let run = |strict: &[&str]| {
             let fixed = ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), output.as_os_str()];

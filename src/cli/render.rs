@@ -63,6 +63,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     }
     if let Some(folder) = &arguments.strategies {
         strategies::prepare(folder)?;
+        check_memory(&view, strategies::FILMS)?;
     }
     let facts = render_to_files(
         &scene,
@@ -106,7 +107,7 @@ fn missing(plan: &Plan, integrator: Integrator) -> String {
 }
 
 /// Whether a file of this name can be written: its ending, its folder, the permissions.
-fn check_output(file: &Path, endings: &[&str], rule: &str) -> Result<()> {
+pub(super) fn check_output(file: &Path, endings: &[&str], rule: &str) -> Result<()> {
     let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     if !ending.is_some_and(|ending| endings.contains(&ending.as_str())) {
         let hint = format!("end the file's name in .{}", endings.join(" or ."));
@@ -138,7 +139,7 @@ pub fn render_to_files(
     exr: &Path,
     png: Option<&Path>,
 ) -> anyhow::Result<Facts> {
-    check_memory(view)?;
+    check_memory(view, 1)?;
     let plan = Plan::of(scene, &view.sensor, effort.integrator.strategies());
     if !plan.unreachable.is_empty() {
         eprintln!("warning: {}", missing(&plan, effort.integrator));
@@ -156,11 +157,11 @@ pub fn render_to_files(
 }
 
 /// Refuses a film that no machine of today would hold.
-fn check_memory(view: &View) -> etalon::error::Result<()> {
+fn check_memory(view: &View, films: u64) -> etalon::error::Result<()> {
     /// Bytes that a film may take.
     const MOST_BYTES: u64 = 64 << 30;
     let [width, height] = view.camera.resolution().map(u64::from);
-    let values = width * height * view.sensor.channels.len() as u64;
+    let values = films * width * height * view.sensor.channels.len() as u64;
     let bytes = values * std::mem::size_of::<etalon::camera::BlockStatistics>() as u64;
     if bytes <= MOST_BYTES {
         return Ok(());

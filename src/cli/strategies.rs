@@ -1,22 +1,27 @@
 //! `etalon render --strategies DIR`: the pyramid of bidirectional strategies.
 
 use super::arguments::Effort;
-use super::render::DEFAULT_SPP;
+use super::render::{DEFAULT_SPP, check_output};
 use etalon::camera::{Development, Film};
 use etalon::error::{Error, Result};
 use etalon::image::{Facts, Layers, Tile, write_exr, write_sheet};
 use etalon::integrator::{Tracer, render_pyramid};
-use etalon::path::Eye;
+use etalon::path::{Eye, Strategies};
 use etalon::scene::{Plan, Scene, View};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Vertices of the longest paths shown.
 const LONGEST: usize = 7;
+/// Films of all strategies, weighted and by themselves, at most.
+pub const FILMS: u64 = 70;
+/// Name of the contact sheet.
+const SHEET: &str = "strategies.png";
 
 /// Makes the folder, before hours of work end in one that cannot be made.
 pub fn prepare(folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, "make this folder", &e))
+    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, "make this folder", &e))?;
+    check_output(&folder.join(SHEET), &["png"], "the contact sheet is a PNG")
 }
 
 /// Renders every strategy and writes its pictures; the contact sheet's name comes back.
@@ -33,15 +38,21 @@ pub fn write(
 ) -> Result<PathBuf> {
     let started = Instant::now();
     let budget = effort.budget(DEFAULT_SPP);
-    let tracer = Tracer::new(scene, plan, Eye::Camera(&view.camera));
-    let pyramid = render_pyramid(&tracer, view, plan, &budget, LONGEST);
+    // Also what a render leaves out because another strategy is better at it.
+    let strategies = effort.integrator.strategies();
+    let meets_lights = strategies.meets_lights && plan.strategies.meets_lights;
+    let meets_eye = strategies.meets_eye && view.camera.has_aperture();
+    let strategies = Strategies { meets_lights, meets_eye, ..strategies };
+    let plan = Plan { strategies, joins_each: true, ..plan.clone() };
+    let tracer = Tracer::new(scene, &plan, Eye::Camera(&view.camera));
+    let pyramid = render_pyramid(&tracer, view, &plan, &budget, LONGEST);
     let mut captioned: Vec<([u32; 2], String, &Film)> = Vec::new();
     for ((s, t), films) in &pyramid {
         let row = (s + t - 2) as u32;
         for (kind, film, first) in
             [("unweighted", &films.unweighted, 0), ("weighted", &films.weighted, LONGEST + 1)]
         {
-            let facts = Facts::of(scene, view, plan, effort.integrator, &budget, film, started.elapsed());
+            let facts = Facts::of(scene, view, &plan, effort.integrator, &budget, film, started.elapsed());
             write_exr(&folder.join(format!("s{s}-t{t}-{kind}.exr")), film, &view.sensor, &facts, layers)?;
             captioned.push(([(first + s) as u32, row], format!("s{s} t{t} +{row} EV"), film));
         }
@@ -55,7 +66,7 @@ pub fn write(
             Tile { place: *place, caption, film, development }
         })
         .collect();
-    let sheet = folder.join("strategies.png");
+    let sheet = folder.join(SHEET);
     write_sheet(&sheet, &tiles)?;
     Ok(sheet)
 }

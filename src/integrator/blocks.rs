@@ -3,6 +3,7 @@
 //! A row's samples are taken in order by one thread and added up in f64, and rows are added to
 //! the film in their order, so the picture does not depend on how many threads there are.
 
+use super::in_order::InOrder;
 use super::tracer::{Draw, Tracer};
 use crate::camera::Film;
 use crate::path::Subpaths;
@@ -10,8 +11,6 @@ use crate::sampler::{BlockSampler, Stream};
 use crate::scene::{Plan, View};
 use crate::spectrum::Spectrum;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -98,10 +97,10 @@ fn block_size(budget: &Budget, taken: u64) -> u64 {
 }
 
 /// One block of a run.
-struct BlockOf {
-    seed: u64,
-    number: u32,
-    size: u32,
+pub(super) struct BlockOf {
+    pub seed: u64,
+    pub number: u32,
+    pub size: u32,
 }
 
 /// What a row of a block's samples has found.
@@ -115,27 +114,6 @@ struct RowResult {
     non_finite: u64,
 }
 
-/// Rows of a block are added to the film in the order of the picture, whoever is done first:
-/// sums of floating-point numbers depend on their order.
-struct Merge<'f> {
-    film: &'f mut Film,
-    size: u32,
-    next: usize,
-    waiting: BTreeMap<usize, RowResult>,
-}
-
-impl Merge<'_> {
-    fn add(&mut self, row: usize, result: RowResult) {
-        self.waiting.insert(row, result);
-        while let Some(result) = self.waiting.remove(&self.next) {
-            self.film.add_row(self.next, &result.own, self.size);
-            self.film.add_splats(&result.splat_pixels, &result.splat_values);
-            self.film.non_finite_samples += result.non_finite;
-            self.next += 1;
-        }
-    }
-}
-
 fn render_block(
     tracer: &Tracer<'_>,
     view: &View,
@@ -146,10 +124,14 @@ fn render_block(
 ) {
     let [_, height] = view.camera.resolution();
     let rows_done = AtomicU64::new(0);
-    let merge = Mutex::new(Merge { film, size: block.size, next: 0, waiting: BTreeMap::new() });
+    let merge = InOrder::new(|row, result: RowResult| {
+        film.add_row(row, &result.own, block.size);
+        film.add_splats(&result.splat_pixels, &result.splat_values);
+        film.non_finite_samples += result.non_finite;
+    });
     (0..height as usize).into_par_iter().with_max_len(1).for_each(|row| {
         let result = render_row(tracer, view, plan, block, row);
-        merge.lock().expect("no thread panics while it adds").add(row, result);
+        merge.add(row, result);
         let done = rows_done.fetch_add(1, Ordering::Relaxed) + 1;
         report_share(done as f64 / f64::from(height));
     });

@@ -4,6 +4,7 @@
 //! under different lists of strategies; the block loop that feeds the film is `blocks`.
 
 mod blocks;
+mod in_order;
 mod measure;
 mod pyramid;
 mod tracer;

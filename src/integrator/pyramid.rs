@@ -1,6 +1,7 @@
 //! One picture for each strategy: what people draw to understand bidirectional rendering.
 
-use super::blocks::Budget;
+use super::blocks::{BlockOf, Budget};
+use super::in_order::InOrder;
 use super::tracer::{Draw, Tracer};
 use crate::camera::Film;
 use crate::path::Subpaths;
@@ -26,12 +27,14 @@ pub struct StrategyFilms {
 /// the eye.
 pub type Pyramid = BTreeMap<(usize, usize), StrategyFilms>;
 
-/// A contribution on its way to the films.
-struct Entry {
-    strategy: (usize, usize),
-    pixel: u32,
-    weight: f64,
+/// What the samples of a row have found.
+#[derive(Default)]
+struct RowResult {
+    /// Strategy, pixel and weight of each contribution, in the order found.
+    entries: Vec<((usize, usize), u32, f64)>,
+    /// What each records, channel by channel.
     values: Vec<f64>,
+    non_finite: u64,
 }
 
 /// Renders every strategy of a plan for paths of at most `longest` vertices.
@@ -51,21 +54,17 @@ pub fn render_pyramid(
         .map(|strategy| (strategy, StrategyFilms { unweighted: empty(), weighted: empty() }))
         .collect();
     let mut taken = 0;
-    for block in 0.. {
+    for number in 0.. {
         let size = BLOCK_SAMPLES.min(budget.samples_per_pixel - taken) as u32;
         if size == 0 {
             break;
         }
-        let rows: Vec<Vec<Entry>> = (0..height)
-            .into_par_iter()
-            .map(|row| row_entries(tracer, view, plan, (budget.seed, block, size), row))
-            .collect();
-        for entry in rows.into_iter().flatten() {
-            let Some(films) = pyramid.get_mut(&entry.strategy) else { continue };
-            films.unweighted.add_splats(&[entry.pixel], &entry.values);
-            let weighted: Vec<f64> = entry.values.iter().map(|value| value * entry.weight).collect();
-            films.weighted.add_splats(&[entry.pixel], &weighted);
-        }
+        let block = BlockOf { seed: budget.seed, number, size };
+        let merge = InOrder::new(|_, result: RowResult| add(&mut pyramid, &result, channels));
+        (0..height).into_par_iter().with_max_len(1).for_each(|row| {
+            merge.add(row as usize, find(tracer, view, plan, &block, row, longest));
+        });
+        drop(merge);
         for films in pyramid.values_mut() {
             films.unweighted.finish_block(size);
             films.weighted.finish_block(size);
@@ -75,38 +74,57 @@ pub fn render_pyramid(
     pyramid
 }
 
-/// The contributions of a row's samples in the order found; those that are not finite count
-/// as zero.
-fn row_entries(
+fn add(pyramid: &mut Pyramid, result: &RowResult, channels: usize) {
+    for ((strategy, pixel, weight), values) in result.entries.iter().zip(result.values.chunks_exact(channels))
+    {
+        let films = pyramid.get_mut(strategy).expect("only listed strategies are found");
+        films.unweighted.add_splats(&[*pixel], values);
+        let weighted: Vec<f64> = values.iter().map(|value| value * weight).collect();
+        films.weighted.add_splats(&[*pixel], &weighted);
+    }
+    for films in pyramid.values_mut() {
+        films.unweighted.non_finite_samples += result.non_finite;
+    }
+}
+
+/// The contributions of a row's samples.
+fn find(
     tracer: &Tracer<'_>,
     view: &View,
     plan: &Plan,
-    (seed, block, size): (u64, u32, u32),
+    block: &BlockOf,
     row: u32,
-) -> Vec<Entry> {
+    longest: usize,
+) -> RowResult {
     let [width, _] = view.camera.resolution();
-    let mut entries = Vec::new();
+    let channels = view.sensor.channels.len();
+    let mut result = RowResult::default();
     let mut paths = Subpaths::default();
     for column in 0..width {
         let own = row * width + column;
-        let numbers = BlockSampler::new(seed, u64::from(own), block, size);
-        for index in 0..size {
+        let numbers = BlockSampler::new(block.seed, u64::from(own), block.number, block.size);
+        for index in 0..block.size {
             let sampler = numbers.sample(index);
             let wavelengths = plan.wavelengths.sample(sampler.single(Stream::Wavelength, 0));
             let [x, y] = sampler.pair(Stream::Pixel, 0).map(f64::from);
             let position = [f64::from(column) + x, f64::from(row) + y];
             let draw = Draw { position, wavelengths: &wavelengths, sampler: &sampler };
             tracer.trace(&draw, &mut paths, &mut |found| {
+                if found.s + found.t > longest {
+                    return;
+                }
                 if !found.estimate.is_finite() {
+                    result.non_finite += 1;
                     return;
                 }
                 let pixel = found.position.map_or(own, |[x, y]| y as u32 * width + x as u32);
-                let mut values = vec![0.0; view.sensor.channels.len()];
+                result.entries.push(((found.s, found.t), pixel, f64::from(found.weight)));
+                let first = result.values.len();
+                result.values.resize(first + channels, 0.0);
+                let values = &mut result.values[first..];
                 view.sensor.record(found.estimate, &wavelengths, |channel, value| values[channel] = value);
-                let weight = f64::from(found.weight);
-                entries.push(Entry { strategy: (found.s, found.t), pixel, weight, values });
             });
         }
     }
-    entries
+    result
 }

@@ -124,7 +124,9 @@ impl<'a> Tracer<'a> {
                 if strategies.asks_lights {
                     joiner.ask_light(paths, put);
                 }
-                if strategies.joins {
+                if strategies.joins && self.plan.joins_each {
+                    joiner.join_each(paths, put);
+                } else if strategies.joins {
                     joiner.join(paths, put);
                 }
             }

@@ -1,11 +1,13 @@
 //! Two subpaths become complete paths: every way to join them, judged and handed on.
 
+use super::contribution::{Contribution, End, Proposal, Subpaths};
 use super::eye::Eye;
+use super::joint::{Fresh, Joint};
 use super::media::Media;
-use super::strategies::Strategies;
+use super::source::Source;
 use super::vertex::{Kind, Vertex};
 use super::walk::{Heading, Walker, transmittance};
-use super::weights::{Density, Judged, Known, Made, Side};
+use super::weights::{Density, Judged, Known, Made};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::light::Light;
 use crate::material::Quantity;
@@ -14,62 +16,9 @@ use crate::sampler::Stream;
 use crate::spectrum::Spectrum;
 use std::marker::PhantomData;
 
-/// A complete path's estimate of what the eye records.
-#[derive(Clone, Copy, Debug)]
-pub struct Contribution {
-    /// Vertices from the light.
-    pub s: usize,
-    /// Vertices from the eye.
-    pub t: usize,
-    /// Estimate by this strategy alone: radiance in W sr^-1 m^-2 nm^-1 times the eye's response.
-    pub estimate: Spectrum,
-    /// The strategy's share among those that find the path.
-    pub weight: f32,
-    /// Where in the picture, unless where the subpath from the eye began.
-    pub position: Option<[f64; 2]>,
-    /// The vertex that belongs to no subpath: of the light for s = 1, of the eye for t < 2.
-    pub end: Option<End>,
-    /// Probability with which the contribution was kept; the estimate is larger by its inverse.
-    pub kept: f32,
-}
-
-/// An end of a path that was found from its neighbour.
-#[derive(Clone, Copy, Debug)]
-pub struct End {
-    /// Where it is.
-    pub point: SurfacePoint,
-    /// Light in the scene and primitive in the geometry, for a light.
-    pub light: Option<(u32, Option<u32>)>,
-}
-
-impl End {
-    const fn of_eye(point: SurfacePoint) -> Self {
-        Self { point, light: None }
-    }
-}
-
-/// The two subpaths of a sample; kept between samples for its memory.
-#[derive(Debug, Default)]
-pub struct Subpaths {
-    /// From a light on.
-    pub light: Vec<Vertex>,
-    /// From the eye on.
-    pub eye: Vec<Vertex>,
-    /// Light emitted along the first.
-    pub emitted: Spectrum,
-    /// Density with which the second vertex of the first would ask for its first.
-    pub asked: f64,
-    known: Vec<Known>,
-    proposals: Vec<Proposal>,
-}
-
-/// A contribution that an obstacle may still take away.
-#[derive(Clone, Copy, Debug)]
-struct Proposal {
-    contribution: Contribution,
-    /// What it would add to the picture, in any unit.
-    size: f32,
-}
+/// Vertices from a light, up to this one, that every vertex from the eye is joined to: as many
+/// as most subpaths have. With all of longer ones the cost would grow with the square.
+const NEAREST: usize = 8;
 
 /// Joins subpaths in all ways that a plan lists.
 pub struct Joiner<'a, 'd, D> {
@@ -82,38 +31,19 @@ pub struct Joiner<'a, 'd, D> {
     /// How densities are kept.
     pub densities: PhantomData<D>,
 }
-
-/// A light's point that was asked for, or met.
-struct Source<'l> {
-    light: &'l Light,
-    index: u32,
-    primitive: Option<u32>,
-    point: SurfacePoint,
-    /// Density of the point for a subpath from the light.
-    started: f64,
-    /// Density of the point for a vertex that asks.
-    asked: f64,
-    /// Solid angle at the vertex that asks over area at the point; zero for a point light.
-    per_area: f64,
+/// An estimate and where it belongs.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    estimate: Spectrum,
+    position: Option<[f64; 2]>,
+    end: Option<End>,
 }
 
-impl Source<'_> {
-    const fn end(&self) -> End {
-        End { point: self.point, light: Some((self.index, self.primitive)) }
-    }
-
-    const fn starts(&self) -> AreaPdf {
-        AreaPdf::of_all_lanes(self.started)
-    }
-
-    /// Density with which light from here reaches a vertex.
-    fn reaches(&self, vertex: &Vertex) -> AreaPdf {
-        let span = vertex.point.position - self.point.position;
-        let density = self.light.pdf_emission(self.point.normal, span.normalize_or_zero());
-        AreaPdf::of_all_lanes(density * vertex.solid_angle_per_area_from(self.point.position))
+impl Found {
+    const fn here(estimate: Spectrum) -> Self {
+        Self { estimate, position: None, end: None }
     }
 }
-
 impl<'a, D: Density> Joiner<'a, '_, D> {
     /// s = 0: the subpath from the eye has met a surface that shines.
     pub fn met_light(&self, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
@@ -194,17 +124,18 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
     pub fn join(&self, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
         paths.proposals.clear();
         let t = paths.eye.len();
-        for s in 2..=paths.light.len() {
-            if !paths.light[s - 1].is_mirror() && self.walker.plan.strategies.plans(s, t) {
-                self.propose(paths, s);
-            }
+        let [u_far, u_chosen] = self.walker.sampler.pair(Stream::Visibility, t as u32);
+        for s in 2..=paths.light.len().min(NEAREST) {
+            self.propose(paths, s, 1.0);
+        }
+        // Of the vertices farther down a long subpath, one stands for all.
+        let far = paths.light.len().saturating_sub(NEAREST);
+        if far > 0 {
+            let index = ((u_far * far as f32) as usize).min(far - 1);
+            self.propose(paths, NEAREST + 1 + index, 1.0 / far as f32);
         }
         let total: f32 = paths.proposals.iter().map(|proposal| proposal.size).sum();
-        let mut left = match paths.proposals.len() {
-            0 => return,
-            1 => 0.0,
-            _ => self.walker.sampler.single(Stream::Visibility, t as u32) * total,
-        };
+        let mut left = u_chosen * total;
         let within = |proposal: &&Proposal| {
             left -= proposal.size;
             left < 0.0
@@ -217,13 +148,33 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         if self.walker.scene.geometry.occluded(&ray) {
             return;
         }
-        let kept = size / total;
-        put(&Contribution { estimate: contribution.estimate * (1.0 / kept), kept, ..*contribution });
+        let chosen = size / total;
+        let (estimate, kept) = (contribution.estimate * (1.0 / chosen), contribution.kept * chosen);
+        put(&Contribution { estimate, kept, ..*contribution });
     }
 
-    fn propose(&self, paths: &mut Subpaths, s: usize) {
+    /// The same with every joint looked along by itself: for pictures of single strategies, of
+    /// which none is to depend on what the others find.
+    pub fn join_each(&self, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
+        for s in 2..=paths.light.len() {
+            paths.proposals.clear();
+            self.propose(paths, s, 1.0);
+            let Some(Proposal { contribution, .. }) = paths.proposals.pop() else { continue };
+            let (light, [.., eye]) = (&paths.light[s - 1], &paths.eye[..]) else { return };
+            let Some(ray) = eye.point.ray_to(&light.point) else { continue };
+            if !self.walker.scene.geometry.occluded(&ray) {
+                put(&contribution);
+            }
+        }
+    }
+
+    /// Judges the joint of a vertex that light has reached, which was picked with a chance.
+    fn propose(&self, paths: &mut Subpaths, s: usize, chance: f32) {
         let walker = &self.walker;
         let t = paths.eye.len();
+        if paths.light[s - 1].is_mirror() || !walker.plan.strategies.plans(s, t) {
+            return;
+        }
         let [.., eye] = &paths.eye[..] else { return };
         let light = &paths.light[s - 1];
         let span = light.point.position - eye.point.position;
@@ -257,9 +208,10 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             ),
         };
         let joint = paths.joint(s, t, fresh, None);
-        let contribution = self.judged(paths, &joint, Found::here(estimate));
+        let found = Found::here(estimate * (1.0 / chance));
+        let contribution = Contribution { kept: chance, ..self.judged(paths, &joint, found) };
         let size = contribution.estimate.mean() * contribution.weight;
-        if size > 0.0 {
+        if size > 0.0 && size.is_finite() {
             paths.proposals.push(Proposal { contribution, size });
         }
     }
@@ -461,195 +413,5 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let Found { estimate, position, end } = found;
         let estimate = estimate * (1.0 / judged.lane_mean) as f32;
         Contribution { s, t, estimate, weight: judged.weight as f32, position, end, kept: 1.0 }
-    }
-}
-
-/// What a joint adds to the densities that both subpaths keep.
-#[derive(Clone, Copy, Debug)]
-struct Fresh {
-    /// Density from the eye of the last vertex from the light.
-    light_last: AreaPdf,
-    /// Density from the eye of the one before it.
-    light_before: AreaPdf,
-    /// Density from the light of the last vertex from the eye.
-    eye_last: AreaPdf,
-    /// Density from the light of the one before it.
-    eye_before: AreaPdf,
-}
-
-impl Default for Fresh {
-    fn default() -> Self {
-        let none = AreaPdf::ZERO;
-        Self { light_last: none, light_before: none, eye_last: none, eye_before: none }
-    }
-}
-
-/// Where two subpaths are joined.
-#[derive(Clone, Copy, Debug)]
-struct Joint {
-    s: usize,
-    t: usize,
-    /// Density of the light's vertex where its neighbour asks for it.
-    asked: f64,
-    /// Density of the light's vertex where a subpath starts from it.
-    started: f64,
-    fresh: Fresh,
-    /// The vertex on the lens that light has met, for t = 0.
-    lens: Option<Known>,
-}
-
-/// An estimate and where it belongs.
-#[derive(Clone, Copy, Debug)]
-struct Found {
-    estimate: Spectrum,
-    position: Option<[f64; 2]>,
-    end: Option<End>,
-}
-
-impl Found {
-    const fn here(estimate: Spectrum) -> Self {
-        Self { estimate, position: None, end: None }
-    }
-}
-
-impl Joint {
-    /// The weight from the sums that the walks have kept; not a number where those do not
-    /// suffice.
-    #[inline]
-    fn quick_weight(&self, paths: &Subpaths, eye: &Eye<'_>, strategies: &Strategies) -> f64 {
-        let light = self.light_side(paths, strategies).sum();
-        let mut eye = self.eye_side(paths, eye, strategies).sum();
-        if self.s == 1 {
-            eye *= (self.started / self.asked).powi(2);
-        }
-        1.0 / (1.0 + light + eye)
-    }
-
-    /// Share of a strategy that is listed and joins no delta.
-    #[inline]
-    fn share(&self, strategies: &Strategies, s: usize, joins: bool) -> f64 {
-        if !joins || !strategies.plans(s, self.s + self.t - s) {
-            0.0
-        } else if s == 1 && self.s != 1 {
-            (self.asked / self.started).powi(2)
-        } else {
-            1.0
-        }
-    }
-
-    #[inline]
-    fn light_side(&self, paths: &Subpaths, strategies: &Strategies) -> Side {
-        let Self { s, fresh, .. } = self;
-        let mut side = Side::default();
-        if *s == 0 {
-            return side;
-        }
-        let walk = &paths.light;
-        let drawn = match (&self.lens, s) {
-            (Some(lens), _) => lens.light.hero(),
-            (None, 1) => self.asked,
-            (None, _) => walk[s - 1].forward.hero(),
-        };
-        side.last_share = self.share(strategies, s - 1, *s == 1 || !walk[s - 2].is_delta);
-        if side.last_share == 0.0 && !strategies.joins_both_ways() {
-            return side;
-        }
-        side.last = fresh.light_last.hero() / drawn;
-        if *s > 1 && strategies.joins_both_ways() {
-            side.before = fresh.light_before.hero() / walk[s - 2].forward.hero();
-            let joins = *s == 2 || !walk[s - 2].is_delta && !walk[s - 3].is_delta;
-            side.before_share = self.share(strategies, s - 2, joins);
-            side.given_away = if *s > 2 { walk[s - 3].given_away } else { 0.0 };
-        }
-        side
-    }
-
-    #[inline]
-    fn eye_side(&self, paths: &Subpaths, eye: &Eye<'_>, strategies: &Strategies) -> Side {
-        let Self { s, t, fresh, .. } = self;
-        let mut side = Side::default();
-        if *t == 0 {
-            return side;
-        }
-        let walk = &paths.eye;
-        let drawn = if *t == 1 { eye.pdf_area() } else { walk[t - 1].forward.hero() };
-        side.last_share = self.share(strategies, s + 1, *t == 1 || !walk[t - 2].is_delta);
-        if side.last_share == 0.0 && !strategies.joins_both_ways() {
-            return side;
-        }
-        side.last = fresh.eye_last.hero() / drawn;
-        if *t > 1 && strategies.joins_both_ways() {
-            side.before = fresh.eye_before.hero() / walk[t - 2].forward.hero();
-            let joins = *t == 2 || !walk[t - 2].is_delta && !walk[t - 3].is_delta;
-            side.before_share = self.share(strategies, s + 2, joins);
-            side.given_away = if *t > 2 { walk[t - 3].given_away } else { 0.0 };
-        }
-        side
-    }
-}
-
-impl Subpaths {
-    /// Forgets both subpaths.
-    pub fn clear(&mut self) {
-        self.light.clear();
-        self.eye.clear();
-    }
-
-    /// A joint of a subpath from a light that was walked.
-    fn joint(&self, s: usize, t: usize, fresh: Fresh, lens: Option<Known>) -> Joint {
-        Joint { s, t, asked: self.asked, started: self.light[0].forward.hero(), fresh, lens }
-    }
-
-    /// Collects what weights need of the vertices, numbered from the light; those beyond what
-    /// any strategy differs by may be missing.
-    fn gather(&mut self, joint: &Joint, eye: &Eye<'_>, strategies: &Strategies) {
-        let Joint { s, t, fresh, .. } = *joint;
-        let open = |density: f64| Known {
-            light: AreaPdf::of_all_lanes(density),
-            eye: AreaPdf::of_all_lanes(density),
-            lanes: Spectrum::ONE,
-            is_delta: false,
-        };
-        self.known.clear();
-        if s == 1 {
-            self.known.push(open(joint.started));
-        }
-        let walked = if joint.lens.is_some() { s - 1 } else { s };
-        for vertex in self.light.iter().take(if s == 1 { 0 } else { walked }) {
-            self.known.push(Known {
-                light: vertex.forward,
-                eye: vertex.reverse,
-                lanes: vertex.lanes,
-                is_delta: vertex.is_delta,
-            });
-        }
-        self.known.extend(joint.lens);
-        let (_, most) = strategies.span(s + t);
-        let wanted = (most + 1).saturating_sub(self.known.len());
-        for vertex in self.eye.iter().take(if t == 1 { 0 } else { t }).rev().take(wanted) {
-            self.known.push(Known {
-                light: vertex.reverse,
-                eye: vertex.forward,
-                lanes: vertex.lanes,
-                is_delta: vertex.is_delta,
-            });
-        }
-        if t == 1 {
-            self.known.push(open(eye.pdf_area()));
-        }
-        if let Some(last) = s.checked_sub(1) {
-            self.known[last].eye = fresh.light_last;
-            self.known[last].is_delta = false;
-        }
-        if let Some(before) = s.checked_sub(2) {
-            self.known[before].eye = fresh.light_before;
-        }
-        if let Some(last) = self.known.get_mut(s) {
-            last.light = fresh.eye_last;
-            last.is_delta = false;
-        }
-        if let Some(before) = self.known.get_mut(s + 1) {
-            before.light = fresh.eye_before;
-        }
     }
 }

@@ -5,15 +5,19 @@
 //! reaches it, per area, so that strategies are weighed in one place (`weights`).
 
 mod connect;
+mod contribution;
 mod eye;
+mod joint;
 mod media;
+mod source;
 mod strategies;
 mod vertex;
 mod walk;
 mod weights;
 mod whole;
 
-pub use connect::{Contribution, End, Joiner, Subpaths};
+pub use connect::Joiner;
+pub use contribution::{Contribution, End, Subpaths};
 pub use eye::{Eye, EyeRay, Sight};
 pub use media::Media;
 pub use strategies::Strategies;

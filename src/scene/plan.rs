@@ -15,6 +15,9 @@ pub struct Plan {
     pub wavelengths: WavelengthSampler,
     /// The strategies that are used.
     pub strategies: Strategies,
+    /// Whether every joint of two subpaths is looked along, not one in proportion to what they
+    /// contribute: for pictures of single strategies.
+    pub joins_each: bool,
     /// Whether the densities of a path differ between its wavelengths.
     pub lanes_differ: bool,
     /// Whether any medium absorbs, so that paths must know what they travel through.
@@ -48,7 +51,7 @@ impl Plan {
             reasons.push("nothing shines: the picture is black".into());
         }
         let lanes_differ = scene.materials.iter().any(Material::disperses);
-        Self { wavelengths, strategies, lanes_differ, tracks_media, reasons, unreachable }
+        Self { wavelengths, strategies, joins_each: false, lanes_differ, tracks_media, reasons, unreachable }
     }
 }
 
@@ -85,7 +88,9 @@ fn needed(scene: &Scene, listed: Strategies, reasons: &mut Vec<String>) -> Strat
 }
 
 fn has_point_lights(scene: &Scene) -> bool {
-    (0..scene.lights.len()).any(|index| matches!(scene.lights.get(index as u32), Light::Point(_)))
+    (0..scene.lights.len()).any(|index| {
+        scene.emitters[index].weight() > 0.0 && matches!(scene.lights.get(index as u32), Light::Point(_))
+    })
 }
 
 /// Wavelengths in proportion to what sensors and lamps make of them, lines among them;

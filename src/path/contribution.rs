@@ -1,0 +1,70 @@
+//! What a path contributes, and the subpaths that it came from.
+
+use super::vertex::Vertex;
+use super::weights::Known;
+use crate::geometry::SurfacePoint;
+use crate::spectrum::Spectrum;
+
+/// A complete path's estimate of what the eye records.
+#[derive(Clone, Copy, Debug)]
+pub struct Contribution {
+    /// Vertices from the light.
+    pub s: usize,
+    /// Vertices from the eye.
+    pub t: usize,
+    /// Estimate by this strategy alone: radiance in W sr^-1 m^-2 nm^-1 times the eye's response.
+    pub estimate: Spectrum,
+    /// The strategy's share among those that find the path.
+    pub weight: f32,
+    /// Where in the picture, unless where the subpath from the eye began.
+    pub position: Option<[f64; 2]>,
+    /// The vertex that belongs to no subpath: of the light for s = 1, of the eye for t < 2.
+    pub end: Option<End>,
+    /// Probability with which the contribution was kept; the estimate is larger by its inverse.
+    pub kept: f32,
+}
+
+/// An end of a path that was found from its neighbour.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// Where it is.
+    pub point: SurfacePoint,
+    /// Light in the scene and primitive in the geometry, for a light.
+    pub light: Option<(u32, Option<u32>)>,
+}
+
+impl End {
+    pub(super) const fn of_eye(point: SurfacePoint) -> Self {
+        Self { point, light: None }
+    }
+}
+/// The two subpaths of a sample; kept between samples for its memory.
+#[derive(Debug, Default)]
+pub struct Subpaths {
+    /// From a light on.
+    pub light: Vec<Vertex>,
+    /// From the eye on.
+    pub eye: Vec<Vertex>,
+    /// Light emitted along the first.
+    pub emitted: Spectrum,
+    /// Density with which the second vertex of the first would ask for its first.
+    pub asked: f64,
+    pub(super) known: Vec<Known>,
+    pub(super) proposals: Vec<Proposal>,
+}
+
+/// A contribution that an obstacle may still take away.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Proposal {
+    pub(super) contribution: Contribution,
+    /// What it would add to the picture, in any unit.
+    pub(super) size: f32,
+}
+
+impl Subpaths {
+    /// Forgets both subpaths.
+    pub fn clear(&mut self) {
+        self.light.clear();
+        self.eye.clear();
+    }
+}
