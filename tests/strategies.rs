@@ -298,8 +298,13 @@ fn mean_falloff() -> f64 {
 /// Mean luminance of a picture.
 fn picture_mean(scene: &Scene, integrator: Integrator, samples: u32) -> BatchMean {
     let view = scene.view().expect("a camera");
-    let plan = Plan::of(scene, &view.sensor, integrator.strategies());
-    let tracer = Tracer::new(scene, &plan, Eye::Camera(&view.camera));
+    mean_under(scene, &Plan::of(scene, &view.sensor, integrator.strategies()), samples)
+}
+
+/// Mean luminance of a picture under a plan.
+fn mean_under(scene: &Scene, plan: &Plan, samples: u32) -> BatchMean {
+    let view = scene.view().expect("a camera");
+    let tracer = Tracer::new(scene, plan, Eye::Camera(&view.camera));
     let [width, height] = view.camera.resolution().map(f64::from);
     let size = samples / BATCHES as u32;
     let batch = |batch: usize| {
@@ -319,6 +324,73 @@ fn picture_mean(scene: &Scene, integrator: Integrator, samples: u32) -> BatchMea
         sum / f64::from(size)
     };
     BatchMean::of(&std::array::from_fn(batch))
+}
+
+/// What a plan leaves out of bidirectional path tracing is found by what it keeps: in scenes
+/// where each strategy that is ever left out finds something of its own.
+#[test]
+fn what_a_plan_leaves_out_is_not_missed() {
+    let lamp = |position: [f64; 3]| json!({ "point": { "position": position, "emission": { "spectrum": "cie-e", "level": { "flux_lm": 100 } } } });
+    let room = |objects: Value, lights: Value, lens: bool| {
+        let mut camera = camera([0.0, 0.0, -1.2], [0.0, -0.2, 1.0], lens);
+        camera["f_stop"] = json!(2);
+        let mut all = vec![ball([0.0; 3], 1.5, "wall")];
+        all.extend(objects.as_array().expect("a list").clone());
+        scene(&json!({
+            "name": "room", "length_unit": "m",
+            "materials": {
+                "wall": { "lambertian": { "reflectance": 0.3, "two_sided": true } },
+                "crown": { "dielectric": { "index": 1.5 } },
+                "smoke": { "dielectric": { "index": 1.2, "absorption_per_m": 0.7 } },
+                "mirror": { "mirror": { "reflectance": 0.8 } },
+            },
+            "objects": all, "lights": lights, "camera": camera,
+        }))
+    };
+    let shining = json!([{ "shape": { "sphere": { "center": [0.3, 0.6, 0.2], "radius": 0.2 } }, "material": "wall",
+        "emission": { "spectrum": "cie-e", "level": { "luminance_cd_m2": 100 } } }]);
+    let smoke = json!([{ "shape": { "box": { "min": [-0.6, -0.6, -0.9], "max": [0.6, 0.6, -0.1] } }, "material": "smoke" }]);
+    let scenes = [
+        (
+            "point lamp in glass before a lens",
+            room(json!([ball([0.1, -0.1, 0.3], 0.3, "crown")]), json!([lamp([0.1, -0.1, 0.3])]), true),
+        ),
+        ("point lamp in view of a lens", room(json!([]), json!([lamp([0.1, -0.1, 0.3])]), true)),
+        ("point lamp in view of a pinhole", room(json!([]), json!([lamp([0.1, -0.1, 0.3])]), false)),
+        ("point lamp in smoke before a lens", room(smoke.clone(), json!([lamp([0.0, -0.1, -0.5])]), true)),
+        ("ball behind smoke before a lens", room(json!([smoke[0], shining[0]]), json!([]), true)),
+        ("ball before a lens", room(shining, json!([]), true)),
+    ];
+    for (name, scene) in scenes {
+        let view = scene.view().expect("a camera");
+        let planned = Plan::of(&scene, &view.sensor, Strategies::ALL);
+        let full = Plan { strategies: Strategies::ALL, ..planned.clone() };
+        let [a, b] = [planned, full].map(|plan| mean_under(&scene, &plan, 1 << 19));
+        let error = a.standard_error.hypot(b.standard_error);
+        assert!(error < 0.02 * b.mean, "{name}: too noisy to judge: {} +- {error}", b.mean);
+        assert!(
+            (a.mean - b.mean).abs() < SIGMAS * error,
+            "{name}: planned {} +- {}, all strategies {} +- {}",
+            a.mean,
+            a.standard_error,
+            b.mean,
+            b.standard_error
+        );
+        // An integrator with other strategies for most of it.
+        let others = [Integrator::Path, Integrator::Light];
+        let reaches =
+            |other: &Integrator| Plan::of(&scene, &view.sensor, other.strategies()).unreachable.is_empty();
+        let other = others.into_iter().find(reaches).expect("one reaches everything");
+        let c = picture_mean(&scene, other, 1 << 19);
+        let error = a.standard_error.hypot(c.standard_error);
+        assert!(error < 0.05 * a.mean, "{name}: too noisy to judge by {other:?}: {} +- {error}", c.mean);
+        assert!(
+            (a.mean - c.mean).abs() < SIGMAS * error,
+            "{name}: {} by {other:?} {} +- {error}",
+            a.mean,
+            c.mean
+        );
+    }
 }
 
 /// A prism of BK7 at minimum deviation, seen by the walk from the eye at the lines F, d and C:

@@ -3,7 +3,7 @@
 use clap::Args;
 use etalon::error::Error;
 use etalon::integrator::{Integrator, Reading, read_meters};
-use etalon::scene::{Meter, MeterKind, Scene};
+use etalon::scene::{Meter, MeterKind, Scene, unreachable_by_instrument};
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -43,6 +43,19 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
             .hint("use --integrator path or bdpt")
             .in_file(&arguments.scene)
             .into());
+    }
+    let strategies = arguments.integrator.strategies().for_instruments();
+    for is_open in [true, false] {
+        let missing = unreachable_by_instrument(&scene, &strategies, is_open);
+        if !missing.is_empty() && scene.meters.iter().any(|meter| looks(meter) != is_open) {
+            let kind = if is_open { "illuminance" } else { "luminance" };
+            let classes: Vec<&str> = missing.iter().map(|class| class.word).collect();
+            let hint = match arguments.integrator {
+                Integrator::Bdpt => "give a point light its real size",
+                _ => "give a point light its real size, or use --integrator bdpt",
+            };
+            eprintln!("warning: {kind} meters miss light on the way {}; {hint}", classes.join(", "));
+        }
     }
     let readings = read_meters(&scene, arguments.integrator, arguments.samples, arguments.seed);
     if arguments.json {

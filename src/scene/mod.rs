@@ -12,7 +12,7 @@ mod spectra;
 mod view;
 
 pub use plan::Plan;
-pub use reach::{Unreachable, unreachable};
+pub use reach::{Unreachable, unreachable, unreachable_by_instrument};
 pub use view::CameraFacts;
 
 use crate::camera::{Camera, Exposure, Sensor};
@@ -115,6 +115,11 @@ impl Scene {
     pub fn from_text(text: &str, folder: &Path) -> Result<Self> {
         let parsed = read::parse(text)?;
         build::build(text, &parsed, folder).map_err(|e| read::place(text, e))
+    }
+
+    /// The materials that objects are made of.
+    pub fn used_materials(&self) -> impl Iterator<Item = &Material> {
+        self.objects.iter().map(|object| &self.materials[object.material as usize])
     }
 
     /// The camera, or an error that says how to add one.

@@ -33,8 +33,8 @@ impl Plan {
     pub fn of(scene: &Scene, sensor: &Sensor, strategies: Strategies) -> Self {
         let mut reasons = Vec::new();
         let wavelengths = wavelengths(scene, sensor, &mut reasons);
-        let tracks_media = scene.materials.iter().any(|m| m.absorption().is_some());
-        if scene.materials.iter().any(Material::disperses) {
+        let tracks_media = scene.used_materials().any(|m| m.absorption().is_some());
+        if scene.used_materials().any(Material::disperses) {
             reasons.push("a dispersive medium: its smooth refractions keep the hero wavelength alone".into());
         } else {
             reasons.push("no dispersive medium: all wavelengths of a path stay together".into());
@@ -50,7 +50,7 @@ impl Plan {
         if scene.emitters.iter().all(|emitter| emitter.weight() == 0.0) {
             reasons.push("nothing shines: the picture is black".into());
         }
-        let lanes_differ = scene.materials.iter().any(Material::disperses);
+        let lanes_differ = scene.used_materials().any(Material::disperses);
         Self { wavelengths, strategies, joins_each: false, lanes_differ, tracks_media, reasons, unreachable }
     }
 }
@@ -60,7 +60,7 @@ fn needed(scene: &Scene, listed: Strategies, reasons: &mut Vec<String>) -> Strat
     let mut strategies = listed;
     let aperture = scene.view.as_ref().is_some_and(|view| view.camera.has_aperture());
     let areas = (0..scene.lights.len()).any(|index| scene.lights.get(index as u32).has_surface());
-    let smooth = scene.materials.iter().any(Material::is_smooth);
+    let smooth = scene.used_materials().any(Material::is_smooth);
     let mut drop = |planned: &mut bool, unneeded: bool, reason: &str| {
         if *planned && unneeded {
             *planned = false;

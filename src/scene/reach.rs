@@ -59,11 +59,33 @@ const CLASSES: [(&str, &[bool], &str); 7] = [
     ),
 ];
 
-/// The classes that a scene may hold and that no strategy of a list makes.
+/// The classes that a scene may hold and that no strategy of a list makes for its camera.
 pub fn unreachable(scene: &Scene, strategies: &Strategies) -> Vec<Unreachable> {
-    let smooth = scene.materials.iter().any(Material::is_smooth);
-    let joinable = scene.materials.iter().any(|material| !material.is_smooth());
     let eye_has_area = scene.view.as_ref().is_some_and(|view| view.camera.has_aperture());
+    unreachable_by(scene, strategies, eye_has_area, |light| is_in_view(scene, light))
+}
+
+/// The same for an instrument: `is_open` where it collects light from all sides.
+pub fn unreachable_by_instrument(scene: &Scene, strategies: &Strategies, is_open: bool) -> Vec<Unreachable> {
+    let Strategies { asks_eye, light_to_eye, .. } = *strategies;
+    let strategies = Strategies {
+        asks_eye: asks_eye && is_open,
+        light_to_eye: light_to_eye && is_open,
+        meets_eye: false,
+        ..*strategies
+    };
+    // No ray of a luminance meter is aimed at a point.
+    unreachable_by(scene, &strategies, false, |light| light.has_surface())
+}
+
+fn unreachable_by(
+    scene: &Scene,
+    strategies: &Strategies,
+    eye_has_area: bool,
+    sees: impl Fn(&Light) -> bool,
+) -> Vec<Unreachable> {
+    let smooth = scene.used_materials().any(Material::is_smooth);
+    let joinable = scene.used_materials().any(|material| !material.is_smooth());
     let mut found = Vec::new();
     for (word, between, meaning) in CLASSES {
         let exists = between.iter().all(|joins| if *joins { joinable } else { smooth });
@@ -73,7 +95,7 @@ pub fn unreachable(scene: &Scene, strategies: &Strategies) -> Vec<Unreachable> {
                 let light_has_area = matches!(light, Light::Area(_));
                 exists
                     && scene.emitters[*index].weight() > 0.0
-                    && (!between.is_empty() || is_in_view(scene, light))
+                    && (!between.is_empty() || sees(light))
                     && !Case { strategies: *strategies, light_has_area, eye_has_area }.makes(between)
             })
             .map(|index| scene.emitters[index].name.as_str())
