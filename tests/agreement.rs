@@ -65,13 +65,13 @@ macro_rules! agree {
 // Samples per pixel and batch for path, bdpt and light tracing, from a first run's estimate of
 // what the 0.2 % need.
 agree! {
-    a_diffuse_room: diffuse, 96, 64, Some(4000);
+    a_diffuse_room: diffuse, 256, 128, Some(4000);
     a_glossy_room: glossy, 1280, 640, Some(4000);
     glass: glass, 960, 480, None;
     a_dispersive_prism: dispersive_prism, 1408, 704, None;
     metal_and_mirrors: metal, 800, 400, None;
     a_wide_lens: thin_lens, 640, 320, Some(4000);
-    a_tiny_bulb: tiny_bulb, 96, 64, Some(4000);
+    a_tiny_bulb: tiny_bulb, 512, 256, Some(3200);
     a_large_panel: large_panel, 352, 176, Some(4000);
     a_point_light: point_light, 512, 256, Some(4000);
     a_light_in_glass: light_in_glass, 512, 256, None;
