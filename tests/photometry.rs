@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{assert_reads, illuminance, instrument_plan, luminance, metered, read_one};
+use common::{assert_reads, illuminance, instrument_plan, luminance, metered, read_one, read_with};
 use etalon::camera::{CIE_SENSOR, Sensor};
 use etalon::geometry::SurfacePoint;
-use etalon::integrator::{Draw, Tracer};
+use etalon::integrator::{Draw, Integrator, Tracer};
 use etalon::path::{Eye, Subpaths};
 use etalon::sampler::{BlockSampler, Stream};
 use etalon::scene::Scene;
@@ -123,7 +123,9 @@ fn a_slab_transmits_what_all_orders_together_transmit() {
           "emission": { "spectrum": "d65", "level": { "luminance_cd_m2": 1000 } } }
     ]);
     let scene = metered(materials, objects, json!([]), luminance([0., 0., -1.], [0., 0., 1.]));
-    assert_reads("slab", &read_one(&scene, 1 << 20), 923.0769, 1e-3);
+    for integrator in [Integrator::Path, Integrator::Bdpt] {
+        assert_reads("slab", &read_with(&scene, integrator, 1 << 20), 923.0769, 1e-3);
+    }
 }
 
 /// Beer-Lambert: 0.1 m at 5 /m between two surfaces of transmittance 0.96, the orders inside

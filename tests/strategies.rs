@@ -220,33 +220,6 @@ fn an_integrating_sphere_multiplies_its_lamp() {
     }
 }
 
-/// Seen from inside glass, a furnace is brighter by n^2.
-#[test]
-fn radiance_inside_glass_is_larger_by_the_square_of_its_index() {
-    let materials =
-        json!({ "shell": { "lambertian": { "reflectance": 0 } }, "m": { "dielectric": { "index": 1.5 } } });
-    let objects = json!([
-        { "shape": { "sphere": { "center": [0, 0, 0], "radius": 3 } }, "material": "shell",
-          "emission": { "spectrum": "d65", "level": { "luminance_cd_m2": 100 }, "two_sided": true } },
-        ball([0.0; 3], 1.0, "m")
-    ]);
-    let scene = metered(materials, objects, json!([]), luminance([0.0; 3], [0.1, 0.2, 1.0]));
-    assert_reads("camera in glass", &read_with(&scene, Integrator::Bdpt, 1 << 18), 225.0, 2e-3);
-}
-
-/// A plane-parallel slab of index 1.5, all internal reflections summed: T = 0.9230769.
-#[test]
-fn a_slab_transmits_what_all_orders_together_transmit() {
-    let materials = json!({ "glass": { "dielectric": { "index": 1.5 } }, "lamp": { "lambertian": { "reflectance": 0 } } });
-    let objects = json!([
-        { "shape": { "box": { "min": [-9, -9, 0], "max": [9, 9, 0.1] } }, "material": "glass" },
-        { "shape": { "disk": { "center": [0, 0, 1], "normal": [0, 0, -1], "radius": 5 } }, "material": "lamp",
-          "emission": { "spectrum": "d65", "level": { "luminance_cd_m2": 1000 } } }
-    ]);
-    let scene = metered(materials, objects, json!([]), luminance([0., 0., -1.], [0., 0., 1.]));
-    assert_reads("slab", &read_with(&scene, Integrator::Bdpt, 1 << 18), 923.0769, 1e-3);
-}
-
 /// A point light at the centre of a lossless glass sphere: all light leaves along radii, after
 /// however many reflections, so a white board outside is lit as without the sphere. Path
 /// tracing cannot find any of it.

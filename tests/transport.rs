@@ -2,19 +2,24 @@
 
 mod common;
 
-use common::{SIGMAS, assert_reads, luminance, metered, read_one};
-use etalon::integrator::Reading;
+use common::{SIGMAS, assert_reads, luminance, metered, read_one, read_with};
+use etalon::integrator::{Integrator, Reading};
+use etalon::scene::Scene;
 use serde_json::{Value, json};
 
 /// A closed sphere that shines with 100 cd/m2 and reflects nothing, around an object.
-fn furnace(material: Value, shape: Value, meter: Value) -> Reading {
+fn furnace_scene(material: Value, shape: Value, meter: Value) -> Scene {
     let materials = json!({ "shell": { "lambertian": { "reflectance": 0 } }, "m": material });
     let objects = json!([
         { "shape": { "sphere": { "center": [0, 0, 0], "radius": 3 } }, "material": "shell",
           "emission": { "spectrum": "d65", "level": { "luminance_cd_m2": 100 }, "two_sided": true } },
         { "shape": shape, "material": "m" }
     ]);
-    read_one(&metered(materials, objects, json!([]), meter), 1 << 18)
+    metered(materials, objects, json!([]), meter)
+}
+
+fn furnace(material: Value, shape: Value, meter: Value) -> Reading {
+    read_one(&furnace_scene(material, shape, meter), 1 << 18)
 }
 
 fn ball() -> Value {
@@ -42,9 +47,11 @@ fn lossless_glass_disappears_in_a_furnace() {
 /// Seen from inside glass, a furnace is brighter by n^2.
 #[test]
 fn radiance_inside_glass_is_larger_by_the_square_of_its_index() {
-    let reading =
-        furnace(json!({ "dielectric": { "index": 1.5 } }), ball(), luminance([0.0; 3], [0.1, 0.2, 1.0]));
-    assert_reads("camera in glass", &reading, 225.0, 2e-3);
+    let glass = json!({ "dielectric": { "index": 1.5 } });
+    let scene = furnace_scene(glass, ball(), luminance([0.0; 3], [0.1, 0.2, 1.0]));
+    for integrator in [Integrator::Path, Integrator::Bdpt] {
+        assert_reads("camera in glass", &read_with(&scene, integrator, 1 << 18), 225.0, 2e-3);
+    }
 }
 
 /// Rough conductors and dielectrics lose what a second facet would scatter, and gain nothing:

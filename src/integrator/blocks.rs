@@ -4,10 +4,10 @@
 //! the film in their order, so the picture does not depend on how many threads there are.
 
 use super::in_order::InOrder;
-use super::tracer::{Draw, Tracer};
+use super::tracer::Tracer;
 use crate::camera::Film;
 use crate::path::Subpaths;
-use crate::sampler::{BlockSampler, Stream};
+use crate::sampler::BlockSampler;
 use crate::scene::{Plan, View};
 use crate::spectrum::Spectrum;
 use rayon::prelude::*;
@@ -78,7 +78,7 @@ pub(super) fn render(
         let taken = film.samples_per_pixel() as f64;
         let within = |share: f64| progress.within_block(budget, started, taken + share * f64::from(size));
         let of = BlockOf { seed: budget.seed, number: block, size };
-        render_block(tracer, view, plan, &mut film, &of, &within);
+        render_block(tracer, view, &mut film, &of, &within);
         film.finish_block(size);
         block += 1;
         progress.block(budget, started, &film);
@@ -117,7 +117,6 @@ struct RowResult {
 fn render_block(
     tracer: &Tracer<'_>,
     view: &View,
-    plan: &Plan,
     film: &mut Film,
     block: &BlockOf,
     report_share: &(dyn Fn(f64) + Sync),
@@ -130,14 +129,14 @@ fn render_block(
         film.non_finite_samples += result.non_finite;
     });
     (0..height as usize).into_par_iter().with_max_len(1).for_each(|row| {
-        let result = render_row(tracer, view, plan, block, row);
+        let result = render_row(tracer, view, block, row);
         merge.add(row, result);
         let done = rows_done.fetch_add(1, Ordering::Relaxed) + 1;
         report_share(done as f64 / f64::from(height));
     });
 }
 
-fn render_row(tracer: &Tracer<'_>, view: &View, plan: &Plan, block: &BlockOf, row: usize) -> RowResult {
+fn render_row(tracer: &Tracer<'_>, view: &View, block: &BlockOf, row: usize) -> RowResult {
     let [width, _] = view.camera.resolution();
     let sensor = &view.sensor;
     let channels = sensor.channels.len();
@@ -153,25 +152,23 @@ fn render_row(tracer: &Tracer<'_>, view: &View, plan: &Plan, block: &BlockOf, ro
         let numbers = BlockSampler::new(block.seed, pixel, block.number, block.size);
         for index in 0..block.size {
             let sampler = numbers.sample(index);
-            let wavelengths = plan.wavelengths.sample(sampler.single(Stream::Wavelength, 0));
-            let [x, y] = sampler.pair(Stream::Pixel, 0).map(f64::from);
-            let position = [column as f64 + x, row as f64 + y];
-            let draw = Draw { position, wavelengths: &wavelengths, sampler: &sampler };
+            let corner = [column as f64, row as f64];
             let mut radiance = Spectrum::ZERO;
-            tracer.trace(&draw, &mut paths, &mut |contribution| {
-                let weighed = contribution.estimate * contribution.weight;
-                if !weighed.is_finite() {
-                    result.non_finite += 1;
-                } else if let Some([x, y]) = contribution.position {
-                    result.splat_pixels.push(y as u32 * width + x as u32);
-                    let first = result.splat_values.len();
-                    result.splat_values.resize(first + channels, 0.0);
-                    let values = &mut result.splat_values[first..];
-                    sensor.record(weighed, &wavelengths, |channel, value| values[channel] = value);
-                } else {
-                    radiance += weighed;
-                }
-            });
+            let wavelengths =
+                tracer.sample(corner, &sampler, &mut paths, &mut |contribution, wavelengths| {
+                    let weighed = contribution.estimate * contribution.weight;
+                    if !weighed.is_finite() {
+                        result.non_finite += 1;
+                    } else if let Some([x, y]) = contribution.position {
+                        result.splat_pixels.push(y as u32 * width + x as u32);
+                        let first = result.splat_values.len();
+                        result.splat_values.resize(first + channels, 0.0);
+                        let values = &mut result.splat_values[first..];
+                        sensor.record(weighed, wavelengths, |channel, value| values[channel] = value);
+                    } else {
+                        radiance += weighed;
+                    }
+                });
             sensor.record(radiance, &wavelengths, |channel, value| own[channel] += value);
         }
     }

@@ -2,10 +2,10 @@
 
 use super::blocks::{BlockOf, Budget};
 use super::in_order::InOrder;
-use super::tracer::{Draw, Tracer};
+use super::tracer::Tracer;
 use crate::camera::Film;
 use crate::path::Subpaths;
-use crate::sampler::{BlockSampler, Stream};
+use crate::sampler::BlockSampler;
 use crate::scene::{Plan, View};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -62,7 +62,7 @@ pub fn render_pyramid(
         let block = BlockOf { seed: budget.seed, number, size };
         let merge = InOrder::new(|_, result: RowResult| add(&mut pyramid, &result, channels));
         (0..height).into_par_iter().with_max_len(1).for_each(|row| {
-            merge.add(row as usize, find(tracer, view, plan, &block, row, longest));
+            merge.add(row as usize, find(tracer, view, &block, row, longest));
         });
         drop(merge);
         for films in pyramid.values_mut() {
@@ -88,14 +88,7 @@ fn add(pyramid: &mut Pyramid, result: &RowResult, channels: usize) {
 }
 
 /// The contributions of a row's samples.
-fn find(
-    tracer: &Tracer<'_>,
-    view: &View,
-    plan: &Plan,
-    block: &BlockOf,
-    row: u32,
-    longest: usize,
-) -> RowResult {
+fn find(tracer: &Tracer<'_>, view: &View, block: &BlockOf, row: u32, longest: usize) -> RowResult {
     let [width, _] = view.camera.resolution();
     let channels = view.sensor.channels.len();
     let mut result = RowResult::default();
@@ -105,11 +98,8 @@ fn find(
         let numbers = BlockSampler::new(block.seed, u64::from(own), block.number, block.size);
         for index in 0..block.size {
             let sampler = numbers.sample(index);
-            let wavelengths = plan.wavelengths.sample(sampler.single(Stream::Wavelength, 0));
-            let [x, y] = sampler.pair(Stream::Pixel, 0).map(f64::from);
-            let position = [f64::from(column) + x, f64::from(row) + y];
-            let draw = Draw { position, wavelengths: &wavelengths, sampler: &sampler };
-            tracer.trace(&draw, &mut paths, &mut |found| {
+            let corner = [f64::from(column), f64::from(row)];
+            tracer.sample(corner, &sampler, &mut paths, &mut |found, wavelengths| {
                 if found.s + found.t > longest {
                     return;
                 }
@@ -122,7 +112,7 @@ fn find(
                 let first = result.values.len();
                 result.values.resize(first + channels, 0.0);
                 let values = &mut result.values[first..];
-                view.sensor.record(found.estimate, &wavelengths, |channel, value| values[channel] = value);
+                view.sensor.record(found.estimate, wavelengths, |channel, value| values[channel] = value);
             });
         }
     }

@@ -54,6 +54,23 @@ impl<'a> Tracer<'a> {
         }
     }
 
+    /// One sample with its wavelengths and its place within a pixel drawn from the sampler;
+    /// `corner` is the pixel's top left one. The wavelengths come back.
+    pub fn sample(
+        &self,
+        corner: [f64; 2],
+        sampler: &Sampler,
+        paths: &mut Subpaths,
+        put: &mut impl FnMut(&Contribution, &Wavelengths),
+    ) -> Wavelengths {
+        let wavelengths = self.plan.wavelengths.sample(sampler.single(Stream::Wavelength, 0));
+        let [x, y] = sampler.pair(Stream::Pixel, 0).map(f64::from);
+        let position = [corner[0] + x, corner[1] + y];
+        let draw = Draw { position, wavelengths: &wavelengths, sampler };
+        self.trace(&draw, paths, &mut |contribution| put(contribution, &wavelengths));
+        wavelengths
+    }
+
     /// What the sample adds where it was drawn; contributions elsewhere in the picture are
     /// left out.
     pub fn gather(&self, draw: &Draw<'_>, paths: &mut Subpaths) -> Spectrum {
