@@ -41,6 +41,7 @@ pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod measure;
+pub mod metropolis;
 pub mod path;
 pub mod python;
 pub mod sampler;

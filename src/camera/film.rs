@@ -126,6 +126,24 @@ impl Film {
             .unwrap_or(f64::NAN)
     }
 
+    /// The same film with other means and standard errors: `change` is given pixel, channel,
+    /// mean and standard error.
+    #[must_use]
+    pub fn map(&self, change: impl Fn(usize, usize, f64, f64) -> (f64, f64)) -> Self {
+        let mut film = self.clone();
+        film.block = None;
+        let n = self.samples_per_pixel as f64;
+        for (index, statistic) in film.statistics.iter_mut().enumerate() {
+            let (pixel, channel) = (index / self.channels, index % self.channels);
+            let mean = self.mean(pixel, channel);
+            let (mean, error) = change(pixel, channel, mean, self.standard_error(pixel, channel));
+            let scatter = error * error * n * f64::from(self.blocks.saturating_sub(1));
+            let sum = mean * n;
+            *statistic = BlockStatistics { sum, square: sum * sum / n + scatter };
+        }
+        film
+    }
+
     /// Number of pixels.
     pub const fn pixels(&self) -> usize {
         self.resolution[0] as usize * self.resolution[1] as usize

@@ -86,17 +86,31 @@ impl Camera {
     /// The ray through a picture position in pixels (from the top left corner) and, with an
     /// aperture, through the point of the lens that `u_lens` in [0, 1)^2 names.
     pub fn ray(&self, pixel: [f64; 2], u_lens: [f32; 2]) -> Ray {
-        let CameraPlacement { position, forward, right, up } = self.placement;
-        let [width, height] = self.resolution.map(f64::from);
-        let x = 2.0 * (pixel[0] - self.principal_point_px[0]) / width - 1.0;
-        let y = 1.0 - 2.0 * (pixel[1] - self.principal_point_px[1]) / height;
-        let through = forward + right * (x * self.half_extent[0]) + up * (y * self.half_extent[1]);
+        let through = self.through(pixel);
+        let position = self.placement.position;
         let Some(aperture) = self.aperture else {
             return Ray::new(vec3a(position), vec3a(through.normalize()));
         };
         let offset = self.lens_offset(&aperture, u_lens);
         let direction = (through * aperture.focus_distance - offset).normalize();
         Ray::new(vec3a(position + offset), vec3a(direction))
+    }
+
+    /// The ray from a point of the lens that is recorded at a picture position in pixels.
+    pub fn ray_from(&self, lens_point: Vec3A, pixel: [f64; 2]) -> Ray {
+        let through = self.through(pixel);
+        let offset = lens_point.as_dvec3() - self.placement.position;
+        let direction = self.aperture.map_or(through, |aperture| through * aperture.focus_distance - offset);
+        Ray::new(lens_point, vec3a(direction.normalize()))
+    }
+
+    /// From the centre of the lens to a picture position, at distance one along the axis.
+    fn through(&self, pixel: [f64; 2]) -> DVec3 {
+        let CameraPlacement { forward, right, up, .. } = self.placement;
+        let [width, height] = self.resolution.map(f64::from);
+        let x = 2.0 * (pixel[0] - self.principal_point_px[0]) / width - 1.0;
+        let y = 1.0 - 2.0 * (pixel[1] - self.principal_point_px[1]) / height;
+        forward + right * (x * self.half_extent[0]) + up * (y * self.half_extent[1])
     }
 
     /// The point of the lens that `u_lens` in [0, 1)^2 names, uniform over its area; the

@@ -6,6 +6,7 @@
 use super::in_order::InOrder;
 use super::tracer::Tracer;
 use crate::camera::Film;
+use crate::metropolis::Outcome;
 use crate::path::Subpaths;
 use crate::sampler::BlockSampler;
 use crate::scene::{Plan, View};
@@ -55,6 +56,8 @@ pub struct Rendering {
     pub film: Film,
     /// Time it took.
     pub elapsed: Duration,
+    /// What chains say about themselves, where there were any.
+    pub metropolis: Option<Outcome>,
 }
 
 pub(super) fn render(
@@ -83,7 +86,7 @@ pub(super) fn render(
         block += 1;
         progress.block(budget, started, &film);
     }
-    Rendering { film, elapsed: started.elapsed() }
+    Rendering { film, elapsed: started.elapsed(), metropolis: None }
 }
 
 /// Samples of the next block. Against the clock blocks double from one, so that even a short
@@ -114,7 +117,7 @@ struct RowResult {
     non_finite: u64,
 }
 
-fn render_block(
+pub(super) fn render_block(
     tracer: &Tracer<'_>,
     view: &View,
     film: &mut Film,

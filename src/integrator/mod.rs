@@ -4,12 +4,15 @@
 //! under different lists of strategies; the block loop that feeds the film is `blocks`.
 
 mod blocks;
+mod direct;
 mod in_order;
 mod measure;
 mod pyramid;
 mod tracer;
 
 pub use blocks::{Budget, Progress, Rendering, Silent};
+pub(crate) use direct::DirectLight;
+pub(crate) use in_order::InOrder;
 pub use measure::{Reading, read_meters};
 pub use pyramid::{Pyramid, StrategyFilms, render_pyramid};
 pub use tracer::{Draw, Tracer};
@@ -28,11 +31,13 @@ pub enum Integrator {
     Light,
     /// Bidirectional path tracing: every way to join paths from both ends.
     Bdpt,
+    /// Metropolis light transport over all bidirectional strategies.
+    Mlt,
 }
 
 impl Integrator {
     /// Every integrator, in the order they are listed to users.
-    pub const ALL: [Self; 3] = [Self::Path, Self::Light, Self::Bdpt];
+    pub const ALL: [Self; 4] = [Self::Path, Self::Light, Self::Bdpt, Self::Mlt];
 
     /// The name on the command line and in files.
     pub const fn name(self) -> &'static str {
@@ -40,6 +45,7 @@ impl Integrator {
             Self::Path => "path",
             Self::Light => "light",
             Self::Bdpt => "bdpt",
+            Self::Mlt => "mlt",
         }
     }
 
@@ -53,12 +59,27 @@ impl Integrator {
         match self {
             Self::Path => Strategies::PATH,
             Self::Light => Strategies::LIGHT,
-            Self::Bdpt => Strategies::ALL,
+            Self::Bdpt | Self::Mlt => Strategies::ALL,
+        }
+    }
+
+    /// Renders a view of a scene under a plan of its strategies.
+    pub fn render(
+        self,
+        scene: &Scene,
+        view: &View,
+        plan: &Plan,
+        budget: &Budget,
+        progress: &dyn Progress,
+    ) -> Rendering {
+        match self {
+            Self::Path | Self::Light | Self::Bdpt => render(scene, view, plan, budget, progress),
+            Self::Mlt => crate::metropolis::render(scene, view, plan, budget, progress),
         }
     }
 }
 
-/// Renders a view of a scene under a plan.
+/// Renders a view of a scene under a plan, by independent samples.
 pub fn render(
     scene: &Scene,
     view: &View,

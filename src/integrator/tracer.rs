@@ -130,6 +130,7 @@ impl<'a> Tracer<'a> {
         let drawn = self.eye.ray(draw.position, u_lens);
         let (start, mut heading) = walker.from_eye(&self.eye, &drawn, self.media);
         paths.eye.push(start);
+        let mut scattered = false;
         loop {
             let from = paths.eye.last().expect("the eye is there");
             let Some(vertex) = walker.arrive(from, &mut heading) else { break };
@@ -137,7 +138,11 @@ impl<'a> Tracer<'a> {
             if strategies.meets_lights {
                 joiner.met_light(paths, put);
             }
+            if self.plan.direct_only && scattered {
+                break;
+            }
             if !vertex.is_mirror() {
+                scattered = true;
                 if strategies.asks_lights {
                     joiner.ask_light(paths, put);
                 }

@@ -101,20 +101,11 @@ impl AreaLight {
         &self,
         geometry: &Geometry,
         u_point: [f32; 2],
-        [u, v]: [f32; 2],
+        u_direction: [f32; 2],
     ) -> Option<EmittedRay> {
         let (id, u_point) = self.choose(u_point);
         let point = geometry.primitive(id).sample_area(u_point);
-        let (side, u) = match (self.two_sided, u < 0.5) {
-            (false, _) => (1.0, u),
-            (true, true) => (1.0, 2.0 * u),
-            (true, false) => (-1.0, 2.0 * u - 1.0),
-        };
-        let frame = Frame::around(point.normal * side);
-        let height = (1.0 - u).sqrt();
-        let (sin, cos) = (std::f32::consts::TAU * v).sin_cos();
-        let across = u.sqrt();
-        let direction = frame.to_world(Vec3A::new(across * cos, across * sin, height)).normalize();
+        let direction = self.direction_from(point.normal, u_direction);
         let share = point.normal.dot(direction).abs();
         (share > 0.0).then(|| EmittedRay {
             point,
@@ -122,6 +113,20 @@ impl AreaLight {
             ray: point.ray_along(direction),
             share,
         })
+    }
+
+    /// A direction in proportion to the cosine from the normal on a side that shines.
+    pub(super) fn direction_from(&self, normal: Vec3A, [u, v]: [f32; 2]) -> Vec3A {
+        let (side, u) = match (self.two_sided, u < 0.5) {
+            (false, _) => (1.0, u),
+            (true, true) => (1.0, 2.0 * u),
+            (true, false) => (-1.0, 2.0 * u - 1.0),
+        };
+        let frame = Frame::around(normal * side);
+        let height = (1.0 - u).sqrt();
+        let (sin, cos) = (std::f32::consts::TAU * v).sin_cos();
+        let across = u.sqrt();
+        frame.to_world(Vec3A::new(across * cos, across * sin, height)).normalize()
     }
 
     /// Density of the direction of `emit` in sr^-1.

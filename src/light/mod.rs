@@ -110,6 +110,15 @@ impl Light {
         }
     }
 
+    /// The direction that `emit` draws for a point with this normal.
+    #[inline]
+    pub fn direction_from(&self, normal: Vec3A, u_direction: [f32; 2]) -> Vec3A {
+        match self {
+            Self::Point(light) => light.emit(u_direction).ray.direction,
+            Self::Area(light) => light.direction_from(normal, u_direction),
+        }
+    }
+
     /// Density with which `emit` draws each point, per square scene unit; 1 for a point light.
     #[inline]
     pub fn pdf_area(&self) -> f64 {

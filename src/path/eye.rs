@@ -65,6 +65,15 @@ impl Eye<'_> {
         }
     }
 
+    /// The ray from a point of a camera's lens that is recorded at a position of the picture;
+    /// `None` for instruments.
+    pub fn ray_from(&self, point: &SurfacePoint, position: [f64; 2]) -> Option<Ray> {
+        match self {
+            Self::Camera(camera) => Some(camera.ray_from(point.position, position)),
+            Self::Irradiance(_) | Self::Radiance(_) => None,
+        }
+    }
+
     /// What one of the eye's own rays counts.
     pub const fn response(&self) -> f32 {
         match self {

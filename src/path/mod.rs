@@ -22,6 +22,6 @@ pub use eye::{Eye, EyeRay, Sight};
 pub use media::Media;
 pub use strategies::Strategies;
 pub use vertex::{Kind, Surface, Vertex};
-pub use walk::{Heading, Walker};
+pub use walk::{Heading, Walker, transmittance};
 pub use weights::{Density, Judged, Known, Lanes, Made};
 pub use whole::Whole;

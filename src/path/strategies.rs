@@ -48,6 +48,8 @@ impl Strategies {
         meets_eye: true,
         only: None,
     };
+    /// As `PATH`, and point lights in the eye's view.
+    pub const DIRECT: Self = Self { light_to_eye: true, ..Self::PATH };
     /// Every strategy.
     pub const ALL: Self = Self {
         meets_lights: true,

@@ -78,7 +78,8 @@ pub struct Surface {
 }
 
 impl Surface {
-    pub(super) fn of(scene: &Scene, hit: &Hit, wavelengths: &Wavelengths) -> Self {
+    /// The surface that a ray has hit, at the wavelengths of a path.
+    pub fn of(scene: &Scene, hit: &Hit, wavelengths: &Wavelengths) -> Self {
         let object = &scene.objects[hit.object as usize];
         let material = &scene.materials[object.material as usize];
         Self {
@@ -88,6 +89,20 @@ impl Surface {
             primitive: hit.primitive,
             light: object.light,
         }
+    }
+
+    /// Whether a direction lies on the side of the true surface that the shading frame says it
+    /// does.
+    #[inline]
+    pub fn sides_agree(&self, point: &SurfacePoint, direction: Vec3A) -> bool {
+        point.normal.dot(direction) * self.shading.normal.dot(direction) > 0.0
+    }
+
+    /// The same at other wavelengths.
+    #[must_use]
+    pub fn at(&self, scene: &Scene, wavelengths: &Wavelengths) -> Self {
+        let material = &scene.materials[scene.objects[self.object as usize].material as usize];
+        Self { bsdf: material.at(wavelengths), ..*self }
     }
 }
 
@@ -122,9 +137,7 @@ impl Vertex {
     /// says they do; light does not leak through where the two normals disagree.
     #[inline]
     pub(super) fn sides_agree(&self, surface: &Surface, direction: Vec3A) -> bool {
-        let (true_normal, shading_normal) = (self.point.normal, surface.shading.normal);
-        let agrees = |w: Vec3A| true_normal.dot(w) * shading_normal.dot(w) > 0.0;
-        agrees(self.to_previous) && agrees(direction)
+        surface.sides_agree(&self.point, self.to_previous) && surface.sides_agree(&self.point, direction)
     }
 
     /// Scattering from the previous vertex into a direction: value (with the cosine at this

@@ -18,6 +18,8 @@ pub struct Plan {
     /// Whether every joint of two subpaths is looked along, not one in proportion to what they
     /// contribute: for pictures of single strategies.
     pub joins_each: bool,
+    /// Whether paths end behind the first vertex that is no mirror: direct light alone.
+    pub direct_only: bool,
     /// Whether the densities of a path differ between its wavelengths.
     pub lanes_differ: bool,
     /// Whether any medium absorbs, so that paths must know what they travel through.
@@ -51,7 +53,16 @@ impl Plan {
             reasons.push("nothing shines: the picture is black".into());
         }
         let lanes_differ = scene.used_materials().any(Material::disperses);
-        Self { wavelengths, strategies, joins_each: false, lanes_differ, tracks_media, reasons, unreachable }
+        Self {
+            wavelengths,
+            strategies,
+            joins_each: false,
+            direct_only: false,
+            lanes_differ,
+            tracks_media,
+            reasons,
+            unreachable,
+        }
     }
 }
 

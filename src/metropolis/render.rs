@@ -1,0 +1,210 @@
+//! The run: what is learned, then blocks of chains beside blocks of direct light.
+
+use super::chain::{Chain, Splats};
+use super::mutation::Place;
+use super::normalisation::Estimates;
+use super::numbers::Numbers;
+use super::report::{Convergence, Counts, Report};
+use super::start::{Found, Use};
+use super::world::World;
+use crate::camera::Film;
+use crate::integrator::{Budget, DirectLight, InOrder, Progress, Rendering};
+use crate::sampler::mix;
+use crate::scene::{Plan, Scene, View};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Chains of a block, whatever the number of threads.
+const CHAINS: usize = 32;
+/// Blocks of a run that is told its samples; the scatter between them is the error.
+const BLOCKS: u64 = 16;
+/// Against the clock, a block takes this share of the samples before it.
+const GROWTH: u64 = 8;
+/// Mutations that a chain takes between two looks at the film.
+const STRETCH: u64 = 1 << 15;
+/// Fresh paths that are spent on learning, in two rounds: this share of the mutations of a
+/// run, and at least and at most so many.
+const LEARNING_SHARE: u64 = 32;
+const LEARNING: [u64; 2] = [1 << 12, 1 << 16];
+/// Fresh paths in search of starts: this share of a block's mutations, at least and at most.
+const SEARCH_SHARE: u64 = 8;
+const SEARCH: [u64; 2] = [1 << 10, 1 << 18];
+/// Paths found that a block needs to choose its starts from.
+const ENOUGH_FOUND: usize = 2 * CHAINS;
+/// Fresh paths after which a scene in which nothing was found is given up.
+const MOST_SEARCHED: u64 = 1 << 22;
+/// Mutations per sample of direct light, where there is some and where none was seen.
+const PER_DIRECT: [u64; 2] = [2, 16];
+
+/// What a run of chains comes to beside the picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct Outcome {
+    /// How sure it is; `None` where no chain could start.
+    pub report: Option<Report>,
+    /// Fresh paths after which the search for light beyond the direct was given up.
+    pub found_none_in: Option<u64>,
+    /// Whether there is direct light in the picture.
+    pub direct_light: bool,
+}
+
+impl Outcome {
+    /// With 95 % confidence, a fresh path finds light with less than this probability: none in
+    /// N has a chance of (1 - p)^N, about exp(-N p).
+    pub fn most_probable_hit(&self) -> Option<f64> {
+        self.found_none_in.map(|paths| 3.0 / paths as f64)
+    }
+}
+
+/// A run on its way.
+struct Run<'w, 'a> {
+    world: &'w World<'a>,
+    seed: u64,
+    /// Sums of what chains left, over the normalisation.
+    film: Film,
+    direct: DirectLight<'a>,
+    per_direct: u64,
+    found: Vec<Found>,
+    counts: Counts,
+    estimates: Estimates,
+    convergence: Convergence,
+}
+
+/// Renders a view by chains of mutated paths.
+pub fn render(
+    scene: &Scene,
+    view: &View,
+    plan: &Plan,
+    budget: &Budget,
+    progress: &dyn Progress,
+) -> Rendering {
+    let started = Instant::now();
+    let mut world = World::new(scene, view, plan);
+    let pixels = u64::from(world.resolution[0]) * u64::from(world.resolution[1]);
+    let learning = (budget.samples_per_pixel.saturating_mul(pixels) / LEARNING_SHARE).clamp(LEARNING[0], LEARNING[1]);
+    for round in 0..2 {
+        world.learn(budget.seed, round, learning / 2);
+    }
+    let direct = DirectLight::new(scene, view, mix(budget.seed ^ mix(Use::Direct as u64)));
+    let mut run = Run {
+        world: &world,
+        seed: budget.seed,
+        film: Film::new(world.resolution, view.sensor.channels.len(), true),
+        per_direct: PER_DIRECT[usize::from(!direct.is_seen())],
+        direct,
+        found: Vec::new(),
+        counts: Counts::default(),
+        estimates: Estimates::default(),
+        convergence: Convergence::default(),
+    };
+    let searched = run.find_first();
+    let mut block = 0;
+    while run.film.samples_per_pixel() < budget.samples_per_pixel {
+        let late = budget.time.is_some_and(|limit| started.elapsed() >= limit);
+        // One block cannot give an error estimate; the second is taken even when late.
+        if late && block >= 2 {
+            break;
+        }
+        let taken = run.film.samples_per_pixel();
+        let size = block_size(budget, taken, block);
+        run.chains(block, size, &|share| progress.within_block(budget, started, taken as f64 + share * size as f64));
+        run.direct.block(size.div_ceil(run.per_direct) as u32);
+        run.film.finish_block(size as u32);
+        block += 1;
+        progress.block(budget, started, &run.picture());
+    }
+    let film = run.picture();
+    let direct_light = (0..film.pixels()).any(|pixel| run.direct.film().mean(pixel, 1) > 0.0);
+    let report = (!run.found.is_empty()).then(|| Report::of(&run.counts, &run.estimates, &run.convergence));
+    let found_none_in = (run.found.is_empty() && !scene.lights.is_empty()).then_some(searched);
+    let outcome = Outcome { report, found_none_in, direct_light };
+    Rendering { film, elapsed: started.elapsed(), metropolis: Some(outcome) }
+}
+
+/// Samples per pixel of the next block.
+fn block_size(budget: &Budget, taken: u64, block: u64) -> u64 {
+    if budget.time.is_some() {
+        return (taken / GROWTH).clamp(1, u64::from(u32::MAX));
+    }
+    // Of as equal size as whole numbers allow.
+    let blocks = BLOCKS.min(budget.samples_per_pixel);
+    let upto = |block: u64| (u128::from(budget.samples_per_pixel) * u128::from(block) / u128::from(blocks)) as u64;
+    (upto(block + 1) - upto(block)).min(u64::from(u32::MAX))
+}
+
+impl Run<'_, '_> {
+    /// Looks for light until there is enough to start from, or none is to be expected. What
+    /// this search finds is not counted: it ends when it finds something. The number of paths
+    /// comes back.
+    fn find_first(&mut self) -> u64 {
+        if self.world.scene.lights.is_empty() {
+            return 0;
+        }
+        let mut searched = 0;
+        let mut count = SEARCH[0];
+        while self.found.len() < ENOUGH_FOUND && searched < MOST_SEARCHED {
+            let (found, _) = self.world.search(self.seed, u64::MAX - searched, count);
+            self.found.extend(found);
+            searched += count;
+            count = searched;
+        }
+        searched
+    }
+
+    /// One block: chains of their own, from starts of their own.
+    fn chains(&mut self, block: u64, samples_per_pixel: u64, report_share: &(dyn Fn(f64) + Sync)) {
+        if self.found.is_empty() {
+            return;
+        }
+        let world = self.world;
+        let mutations = samples_per_pixel * self.film.pixels() as u64;
+        let search = (mutations / SEARCH_SHARE).clamp(SEARCH[0], SEARCH[1]);
+        let (found, estimates) = world.search(self.seed, block, search);
+        self.estimates.merge(&estimates);
+        let enough = found.len() >= ENOUGH_FOUND;
+        if !enough {
+            self.found.extend(&found);
+        }
+        let from = if enough { &found } else { &self.found };
+        let starts = world.starts(from, CHAINS, &mut Numbers::of(&[self.seed, Use::Pick as u64, block]));
+        let key = mix(self.seed ^ mix(block ^ mix(Use::Chain as u64)));
+        let mut chains: Vec<Chain<'_, '_>> = (0..)
+            .zip(starts)
+            .map(|(chain, start)| {
+                let place = Place { key, chain, bits: CHAINS.trailing_zeros(), drawn: 0 };
+                Chain::new(world, place, start, Numbers::of(&[key, u64::from(chain)]))
+            })
+            .collect();
+        let count = chains.len() as u64;
+        let length = |chain: u64| mutations / count + u64::from(chain < mutations % count);
+        let longest = length(0);
+        for first in (0..longest).step_by(STRETCH as usize) {
+            let film = &mut self.film;
+            let merge = InOrder::new(|_, splats: Splats| film.add_splats(&splats.pixels, &splats.values));
+            chains.par_iter_mut().with_max_len(1).enumerate().for_each(|(index, chain)| {
+                let mut splats = Splats::default();
+                let left = length(index as u64).saturating_sub(first);
+                chain.advance(left.min(STRETCH), &mut splats);
+                merge.add(index, splats);
+            });
+            report_share((first + STRETCH).min(longest) as f64 / longest as f64);
+        }
+        for chain in chains {
+            self.counts.merge(&chain.counts);
+            self.estimates.merge(&chain.estimates);
+            self.convergence.add(chain.blocks);
+        }
+    }
+
+    /// The picture so far: what the chains left times the normalisation, and direct light.
+    fn picture(&self) -> Film {
+        let b = if self.estimates.found > 0 { self.estimates.mean() } else { 0.0 };
+        let b_error = if self.estimates.found > 0 { self.estimates.standard_error() } else { 0.0 };
+        self.film.map(|pixel, channel, mean, error| {
+            let direct = self.direct.film();
+            let (other, other_error) = (direct.mean(pixel, channel), direct.standard_error(pixel, channel));
+            let variance = (b * error).powi(2) + (mean * b_error).powi(2) + other_error.powi(2);
+            (b * mean + other, variance.sqrt())
+        })
+    }
+}
