@@ -1,6 +1,7 @@
 //! Rays from the sensor through a pinhole or a thin lens.
 
 use crate::geometry::{Ray, SurfacePoint};
+use crate::sampler::inverse::{ANY, square_of_disk};
 use glam::{DVec3, Vec3A};
 
 /// Where a camera is, in scene units and right-handed world coordinates.
@@ -118,6 +119,14 @@ impl Camera {
     pub fn lens_point(&self, u_lens: [f32; 2]) -> SurfacePoint {
         let offset = self.aperture.map_or(DVec3::ZERO, |aperture| self.lens_offset(&aperture, u_lens));
         self.point_at(vec3a(self.placement.position + offset))
+    }
+
+    /// The numbers that name a point of the lens, of which `point` (in scene units) may be off
+    /// by a rounding; 0.5 for a pinhole, where they decide nothing.
+    pub fn invert_lens(&self, point: Vec3A) -> [f32; 2] {
+        let Some(aperture) = self.aperture else { return [ANY; 2] };
+        let offset = (point.as_dvec3() - self.placement.position) / aperture.radius;
+        square_of_disk([offset.dot(self.placement.right), offset.dot(self.placement.up)])
     }
 
     /// A position on the lens as a point without error, facing the scene.

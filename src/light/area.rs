@@ -4,6 +4,7 @@ use super::cluster::Cluster;
 use super::cone::Cone;
 use super::{EmittedRay, LightSample};
 use crate::geometry::{Bounds, Frame, Geometry, Primitive, SurfacePoint};
+use crate::sampler::inverse::{BELOW_ONE, turn, unit};
 use crate::spectrum::{Emission, Wavelengths};
 use glam::{DVec3, Vec3A};
 use std::f64::consts::PI;
@@ -21,6 +22,9 @@ pub struct AreaLight {
 
 /// Share of its area that a convex closed surface shows, on average over directions (Cauchy).
 const SEEN_OF_CLOSED: f64 = 0.25;
+
+/// The largest number that chooses the first of two sides.
+const BELOW_HALF: f32 = 0.5 - f32::EPSILON / 4.0;
 
 impl AreaLight {
     /// A light from the primitives of an object; radiance in W sr^-1 m^-2 nm^-1.
@@ -129,6 +133,50 @@ impl AreaLight {
         frame.to_world(Vec3A::new(across * cos, across * sin, height)).normalize()
     }
 
+    pub(super) fn invert_towards(
+        &self,
+        geometry: &Geometry,
+        from: &SurfacePoint,
+        point: &SurfacePoint,
+        id: u32,
+    ) -> Option<[f32; 2]> {
+        let shadow_ray = from.ray_to(point)?;
+        if !self.shines(point.normal, -shadow_ray.direction) {
+            return None;
+        }
+        let u = match geometry.primitive(id) {
+            Primitive::Sphere(sphere) => sphere.invert_solid_angle(from.position, point)?,
+            primitive => primitive.invert_area(point.position),
+        };
+        self.invert_choice(id, u)
+    }
+
+    pub(super) fn invert_emission(
+        &self,
+        geometry: &Geometry,
+        point: &SurfacePoint,
+        id: u32,
+        direction: Vec3A,
+    ) -> Option<([f32; 2], [f32; 2])> {
+        let surface = geometry.primitive(id);
+        let u_point = self.invert_choice(id, surface.invert_area(point.position))?;
+        // The normal that `emit` will find: a frame may turn over between two that differ by a
+        // rounding.
+        let normal = surface.sample_area(self.choose(u_point).1).normal;
+        let side = normal.dot(direction);
+        if side == 0.0 || !self.shines(normal, direction) {
+            return None;
+        }
+        let local = Frame::around(normal * side.signum()).to_local(direction).as_dvec3().normalize();
+        let across2 = local.x * local.x + local.y * local.y;
+        let u = match (self.two_sided, side > 0.0) {
+            (false, _) => unit(across2),
+            (true, true) => unit(0.5 * across2).min(BELOW_HALF),
+            (true, false) => unit(0.5 + 0.5 * across2),
+        };
+        Some((u_point, [u, unit(turn(local.x, local.y))]))
+    }
+
     /// Density of the direction of `emit` in sr^-1.
     pub(super) fn pdf_emission(&self, normal: Vec3A, direction: Vec3A) -> f64 {
         let sides = if self.two_sided { 2.0 } else { 1.0 };
@@ -182,8 +230,6 @@ impl AreaLight {
     /// Picks a primitive by area with the first number, and stretches what is left of it
     /// back to [0, 1).
     fn choose(&self, [u, v]: [f32; 2]) -> (u32, [f32; 2]) {
-        /// Largest f32 below one.
-        const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
         if let [(id, _)] = self.primitives[..] {
             return (id, [u, v]);
         }
@@ -191,5 +237,19 @@ impl AreaLight {
         let (id, upto) = self.primitives[index];
         let before = if index == 0 { 0.0 } else { self.primitives[index - 1].1 };
         (id, [((u - before) / (upto - before)).clamp(0.0, BELOW_ONE), v])
+    }
+
+    /// The numbers with which `choose` picks a primitive and leaves `u` and `v`; `None` for a
+    /// primitive of another light or without a share that `f32` can tell.
+    fn invert_choice(&self, id: u32, [u, v]: [f32; 2]) -> Option<[f32; 2]> {
+        let index = self.primitives.binary_search_by_key(&id, |(id, _)| *id).ok()?;
+        if self.primitives.len() == 1 {
+            return Some([u, v]);
+        }
+        let upto = self.primitives[index].1;
+        let before = if index == 0 { 0.0 } else { self.primitives[index - 1].1 };
+        let within = f64::from(before) + f64::from(u) * (f64::from(upto) - f64::from(before));
+        // Rounding must not reach the next primitive.
+        (upto > before).then(|| [(within as f32).clamp(before, upto.next_down()), v])
     }
 }

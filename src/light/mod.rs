@@ -24,6 +24,7 @@ pub use power::EmitterFacts;
 
 use self::cluster::Cluster;
 use crate::geometry::{Geometry, Ray, SurfacePoint};
+use crate::sampler::inverse::ANY;
 use crate::spectrum::{Spectrum, Wavelengths};
 use glam::Vec3A;
 
@@ -101,6 +102,25 @@ impl Light {
         }
     }
 
+    /// The numbers with which `sample_towards` draws a point of the light from `from`, the
+    /// choice among its primitives included; `None` for a point that is never drawn: of
+    /// another light, hidden or dark. 0.5 where they decide nothing.
+    ///
+    /// Among several primitives the first number has the resolution of `f32` in the whole
+    /// light only.
+    pub fn invert_towards(
+        &self,
+        geometry: &Geometry,
+        from: &SurfacePoint,
+        point: &SurfacePoint,
+        primitive: Option<u32>,
+    ) -> Option<[f32; 2]> {
+        match self {
+            Self::Point(_) => Some([ANY; 2]),
+            Self::Area(light) => light.invert_towards(geometry, from, point, primitive?),
+        }
+    }
+
     /// Draws a ray of light; `None` for one that carries nothing.
     #[inline]
     pub fn emit(&self, geometry: &Geometry, u_point: [f32; 2], u_direction: [f32; 2]) -> Option<EmittedRay> {
@@ -116,6 +136,22 @@ impl Light {
         match self {
             Self::Point(light) => light.emit(u_direction).ray.direction,
             Self::Area(light) => light.direction_from(normal, u_direction),
+        }
+    }
+
+    /// The numbers `u_point` and `u_direction` with which `emit` draws a ray from a point of
+    /// the light along a unit vector; `None` for a ray that is never drawn: of another light,
+    /// or dark. 0.5 where they decide nothing.
+    pub fn invert_emission(
+        &self,
+        geometry: &Geometry,
+        point: &SurfacePoint,
+        primitive: Option<u32>,
+        direction: Vec3A,
+    ) -> Option<([f32; 2], [f32; 2])> {
+        match self {
+            Self::Point(light) => Some(([ANY; 2], light.distribution.invert(direction)?)),
+            Self::Area(light) => light.invert_emission(geometry, point, primitive?, direction),
         }
     }
 

@@ -4,6 +4,7 @@ use super::cluster::Cluster;
 use super::cone::Cone;
 use super::{EmittedRay, LightSample};
 use crate::geometry::{Bounds, SurfacePoint};
+use crate::sampler::inverse::{turn, unit};
 use crate::spectrum::{Emission, Wavelengths};
 use glam::{DVec3, Vec3A};
 use std::f64::consts::{PI, TAU};
@@ -44,6 +45,26 @@ impl Distribution {
         let (tangent, bitangent) = axis.any_orthonormal_pair();
         let (sin, cos) = (TAU * f64::from(v)).sin_cos();
         (axis * height + (tangent * cos + bitangent * sin) * across).normalize().as_vec3a()
+    }
+
+    /// The numbers with which `sample` draws a direction; `None` where it is dark.
+    pub(super) fn invert(&self, direction: Vec3A) -> Option<[f32; 2]> {
+        let axis = match self {
+            Self::Isotropic => DVec3::Z,
+            Self::Cosine(axis) => axis.as_dvec3(),
+        };
+        let (tangent, bitangent) = axis.any_orthonormal_pair();
+        let direction = direction.as_dvec3().normalize();
+        let (x, y, height) = (direction.dot(tangent), direction.dot(bitangent), direction.dot(axis));
+        let across2 = x * x + y * y;
+        let u = match self {
+            // (1 - height) / 2, without cancellation about the pole.
+            Self::Isotropic if height > 0.0 => 0.5 * across2 / (1.0 + height),
+            Self::Isotropic => 0.5 * (1.0 - height),
+            Self::Cosine(_) if height > 0.0 => across2,
+            Self::Cosine(_) => return None,
+        };
+        Some([unit(u), unit(turn(x, y))])
     }
 }
 

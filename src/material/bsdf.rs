@@ -150,6 +150,36 @@ impl Bsdf {
         }
     }
 
+    /// The two numbers `u` with which `sample` draws `wi`, once `u_lobe` has chosen the lobe on
+    /// the side of `wi`; `None` for deltas and for directions that are never drawn.
+    ///
+    /// Directions given back differ by no more than the rounding of `f32`: that of directions,
+    /// and that of the numbers, which tell the rims of hemispheres and caps coarsely.
+    pub fn invert(&self, wo: Vec3A, wi: Vec3A, quantity: Quantity) -> Option<[f32; 2]> {
+        if self.pdf(wo, wi, quantity).hero() <= 0.0 {
+            return None;
+        }
+        match self {
+            Self::Lambertian(model) => Some(model.invert(wi)),
+            Self::RoughDielectric(model) => model.invert(wo, wi),
+            Self::RoughConductor(model) => model.invert(wo, wi),
+            Self::Mirror(_) | Self::SmoothDielectric(_) | Self::SmoothConductor(_) => None,
+        }
+    }
+
+    /// Probability with which `sample` chooses the lobe on the side of `wi`, for the hero.
+    ///
+    /// Between transparent media it is the share of Fresnel (reflected, or crossing) at the
+    /// facet that joins the two directions, or at the surface for a delta, whichever `wi` of
+    /// that side is asked for; zero where no facet joins them. 1 where there is no choice.
+    pub fn lobe_probability(&self, wo: Vec3A, wi: Vec3A, quantity: Quantity) -> f64 {
+        match self {
+            Self::SmoothDielectric(model) => model.lobe_probability(wo, wi),
+            Self::RoughDielectric(model) => model.lobe_probability(wo, wi, quantity),
+            Self::Lambertian(_) | Self::RoughConductor(_) | Self::Mirror(_) | Self::SmoothConductor(_) => 1.0,
+        }
+    }
+
     /// Whether the model has deltas only, so that no light can be aimed at from here.
     pub fn is_delta(&self) -> bool {
         match self {

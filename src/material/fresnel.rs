@@ -16,6 +16,18 @@ pub struct Shares {
 impl Shares {
     const ALL_REFLECTED: Self = Self { reflected: 1.0, crossing: 0.0 };
     const ALL_CROSSING: Self = Self { reflected: 0.0, crossing: 1.0 };
+
+    /// The share of the lobe whose side is the sign of a product of heights: positive where
+    /// both directions are on one side; zero for a direction in the plane.
+    pub(super) fn of_lobe(&self, side: f32) -> f64 {
+        if side > 0.0 {
+            self.reflected
+        } else if side < 0.0 {
+            self.crossing
+        } else {
+            0.0
+        }
+    }
 }
 
 /// A boundary between two transparent media.

@@ -19,7 +19,9 @@
 
 use std::f32::consts::{PI, TAU};
 
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
+
+use crate::sampler::inverse::{turn, unit};
 
 /// A distribution of facet normals about `+z`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,6 +126,21 @@ impl Ggx {
         let h_x = sine * phi.cos() + w.x;
         let h_y = sine * phi.sin() + w.y;
         Vec3A::new(self.alpha_x * h_x, self.alpha_y * h_y, h_z).normalize_or_zero()
+    }
+
+    /// The numbers with which `sample_visible` draws the facet along `h`, of any length and
+    /// seen from `wo` above.
+    ///
+    /// The facet stretched to unit length is d = (c + w) / |c + w|, with w the stretched `wo`
+    /// and c a point of the unit sphere above height -w_z; hence c = 2 (d.w) d - w.
+    #[inline]
+    pub(super) fn invert_visible(&self, wo: Vec3A, h: Vec3A) -> [f32; 2] {
+        let (alpha_x, alpha_y) = (f64::from(self.alpha_x), f64::from(self.alpha_y));
+        let (wo, h) = (wo.as_dvec3(), h.as_dvec3());
+        let w = DVec3::new(alpha_x * wo.x, alpha_y * wo.y, wo.z).normalize();
+        let d = DVec3::new(h.x / alpha_x, h.y / alpha_y, h.z).normalize();
+        let raised = d * (2.0 * d.dot(w));
+        [unit(turn(raised.x - w.x, raised.y - w.y)), unit(1.0 - raised.z / (1.0 + w.z))]
     }
 }
 

@@ -6,6 +6,7 @@ use glam::Vec3A;
 
 use super::facing::Upright;
 use super::{BsdfSample, BsdfValue};
+use crate::sampler::inverse::square_of_disk;
 use crate::spectrum::Spectrum;
 
 /// f = reflectance / pi on the side that `wo` is on.
@@ -30,6 +31,13 @@ impl Lambertian {
         let upright = Upright::of_opaque(wo, self.two_sided)?;
         let wi = upright.turn(cosine_distributed(u));
         BsdfSample::of_lobe(wi, self.evaluate(wo, wi), false)
+    }
+
+    /// The numbers that draw `wi`, from whichever side.
+    pub(super) fn invert(&self, wi: Vec3A) -> [f32; 2] {
+        // Of exactly unit length the projection tells heights above the rim best.
+        let wi = wi.as_dvec3().normalize();
+        square_of_disk([wi.x, wi.y])
     }
 }
 

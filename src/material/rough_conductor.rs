@@ -36,4 +36,11 @@ impl RoughConductor {
         let wi = upright.turn(2.0 * seen.dot(h) * h - seen);
         BsdfSample::of_lobe(wi, self.evaluate(wo, wi), false)
     }
+
+    /// The numbers that draw `wi`.
+    pub(super) fn invert(&self, wo: Vec3A, wi: Vec3A) -> Option<[f32; 2]> {
+        let upright = Upright::of_opaque(wo, self.metal.two_sided)?;
+        let (wo, wi) = (upright.turn(wo), upright.turn(wi));
+        Some(self.facets.invert_visible(wo, wo + wi))
+    }
 }

@@ -47,6 +47,12 @@ impl SmoothDielectric {
         let together = sample(wi, value, transmitted);
         Some(if seen.is_flat() { together } else { together.for_hero_only() })
     }
+
+    /// Probability of the delta on the side of `wi`.
+    pub(super) fn lobe_probability(&self, wo: Vec3A, wi: Vec3A) -> f64 {
+        let shares = self.interface.seen_from(wo.z > 0.0).shares(0, wo.z.abs());
+        shares.of_lobe(wo.z * wi.z)
+    }
 }
 
 /// The hero's refracted direction for `wo` above; `None` in total reflection.

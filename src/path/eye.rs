@@ -6,6 +6,7 @@
 
 use crate::camera::Camera;
 use crate::geometry::{Frame, Ray, SurfacePoint};
+use crate::sampler::inverse::ANY;
 use glam::Vec3A;
 use std::f64::consts::{PI, TAU};
 
@@ -89,6 +90,15 @@ impl Eye<'_> {
             Self::Camera(camera) => Some(camera.lens_point(u_lens)),
             Self::Irradiance(point) => Some(*point),
             Self::Radiance(_) => None,
+        }
+    }
+
+    /// The numbers `u_lens` that name a point of the eye, in scene units; 0.5 where there is
+    /// one point only.
+    pub fn invert_lens(&self, point: Vec3A) -> [f32; 2] {
+        match self {
+            Self::Camera(camera) => camera.invert_lens(point),
+            Self::Irradiance(_) | Self::Radiance(_) => [ANY; 2],
         }
     }
 

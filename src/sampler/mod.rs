@@ -9,6 +9,7 @@
 //! shuffled so that different names are independent. Blocks have independent scrambles,
 //! which makes the scatter of block means an honest error estimate.
 
+pub(crate) mod inverse;
 mod sobol;
 
 pub use sobol::owen_sobol_2d;

@@ -2,8 +2,9 @@
 
 use super::super::precise::round_roots;
 use super::super::{Bounds, Meeting, PreciseRay, SurfacePoint};
-use super::around;
-use glam::{DVec3, Vec3};
+use super::{around, turn_around};
+use crate::sampler::inverse::unit;
+use glam::{DVec3, Vec3, Vec3A};
 use std::f64::consts::TAU;
 
 /// Relative slack at the rims, a few hundred units in the last place of `f64`: it closes the
@@ -81,6 +82,13 @@ impl Cylinder {
     #[inline]
     pub fn sample_area(&self, u: [f32; 2]) -> SurfacePoint {
         self.at(f64::from(u[0]) * self.length, around(self.axis, f64::from(u[1])))
+    }
+
+    /// The numbers with which `sample_area` draws a position.
+    #[inline]
+    pub fn invert_area(&self, position: Vec3A) -> [f32; 2] {
+        let offset = position.as_dvec3() - self.from.as_dvec3();
+        [unit(offset.dot(self.axis) / self.length), unit(turn_around(self.axis, offset))]
     }
 
     #[inline]

@@ -1,9 +1,10 @@
 //! The flat disk.
 
 use super::super::{Bounds, Meeting, PreciseRay, SurfacePoint};
-use super::around;
 use super::cylinder::{RIM_SLACK, disk_reach};
-use glam::{DVec3, Vec3};
+use super::{around, turn_around};
+use crate::sampler::inverse::unit;
+use glam::{DVec3, Vec3, Vec3A};
 use std::f64::consts::PI;
 
 /// A flat disk.
@@ -74,6 +75,15 @@ impl Disk {
     pub fn sample_area(&self, u: [f32; 2]) -> SurfacePoint {
         let distance = f64::from(self.radius) * f64::from(u[0]).sqrt();
         self.at(around(self.normal, f64::from(u[1])) * distance)
+    }
+
+    /// The numbers with which `sample_area` draws a position.
+    #[inline]
+    pub fn invert_area(&self, position: Vec3A) -> [f32; 2] {
+        let offset = position.as_dvec3() - self.center.as_dvec3();
+        let across = offset - self.normal * offset.dot(self.normal);
+        let share = across.length_squared() / f64::from(self.radius).powi(2);
+        [unit(share), unit(turn_around(self.normal, across))]
     }
 
     #[inline]

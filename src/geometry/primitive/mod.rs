@@ -2,7 +2,8 @@
 //!
 //! The contract of each kind, by the same names everywhere: `bounds` holds every point;
 //! `intersect` finds the nearest meeting with 0 < t < t_max; `point` turns a meeting into a
-//! position with its error bound; `area`; and `sample_area` draws points with density 1/area.
+//! position with its error bound; `area`; `sample_area` draws points with density 1/area,
+//! and `invert_area` gives back the numbers that draw a point.
 
 mod cylinder;
 mod disk;
@@ -17,6 +18,7 @@ pub use sphere::Sphere;
 pub use triangle::Triangle;
 
 use super::{Bounds, Meeting, PreciseRay, SurfacePoint};
+use crate::sampler::inverse::turn;
 use glam::{DVec3, Vec3A};
 
 /// A surface that is met as one piece.
@@ -86,6 +88,15 @@ impl Primitive {
     pub fn sample_area(&self, u: [f32; 2]) -> SurfacePoint {
         each!(self, inner => inner.sample_area(u))
     }
+
+    /// The numbers with which [`Self::sample_area`] draws a point of the surface, of which
+    /// `position` may be off by a rounding.
+    ///
+    /// A number that decides nothing, as at a corner or a centre, is any.
+    #[inline]
+    pub fn invert_area(&self, position: Vec3A) -> [f32; 2] {
+        each!(self, inner => inner.invert_area(position))
+    }
 }
 
 /// Unit vector at angle `turn` (in whole turns) in the plane across the unit vector `axis`.
@@ -94,4 +105,21 @@ fn around(axis: DVec3, turn: f64) -> DVec3 {
     let (tangent, bitangent) = axis.any_orthonormal_pair();
     let (sin, cos) = (turn * std::f64::consts::TAU).sin_cos();
     tangent * cos + bitangent * sin
+}
+
+/// The angle, in whole turns, at which [`around`] points along the part of `offset` that is
+/// across the axis.
+#[inline]
+fn turn_around(axis: DVec3, offset: DVec3) -> f64 {
+    let (tangent, bitangent) = axis.any_orthonormal_pair();
+    turn(offset.dot(tangent), offset.dot(bitangent))
+}
+
+/// The coefficients of two edges that add up to `offset`, or to its projection into their
+/// plane.
+#[inline]
+fn coefficients(offset: DVec3, first: DVec3, second: DVec3) -> [f64; 2] {
+    let cross = first.cross(second);
+    let scale = 1.0 / cross.length_squared();
+    [offset.cross(second).dot(cross) * scale, first.cross(offset).dot(cross) * scale]
 }

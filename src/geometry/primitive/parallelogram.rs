@@ -1,7 +1,9 @@
 //! The parallelogram, watertight against its neighbours.
 
 use super::super::{Bounds, Meeting, PreciseRay, SurfacePoint};
+use super::coefficients;
 use super::triangle::meet_sheared;
+use crate::sampler::inverse::unit;
 use glam::{DVec3, Vec3, Vec3A};
 
 /// A parallelogram that keeps all four corners.
@@ -68,6 +70,16 @@ impl Parallelogram {
     #[inline]
     pub fn sample_area(&self, u: [f32; 2]) -> SurfacePoint {
         self.at(f64::from(u[0]), f64::from(u[1]))
+    }
+
+    /// The numbers with which `sample_area` draws a position.
+    #[inline]
+    pub fn invert_area(&self, position: Vec3A) -> [f32; 2] {
+        let [a, b, c, d] = self.doubles();
+        let offset = position.as_dvec3() - a;
+        let [u, v] = coefficients(offset, b - a, c - b);
+        let [u, v] = if u >= v { [u, v] } else { coefficients(offset, c - d, d - a) };
+        [unit(u), unit(v)]
     }
 
     #[inline]

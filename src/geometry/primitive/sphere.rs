@@ -2,7 +2,8 @@
 
 use super::super::precise::round_roots;
 use super::super::{Bounds, Meeting, PreciseRay, SurfacePoint};
-use super::around;
+use super::{around, turn_around};
+use crate::sampler::inverse::unit;
 use glam::{DVec3, Vec3, Vec3A};
 use std::f64::consts::PI;
 
@@ -64,6 +65,22 @@ impl Sphere {
         self.towards(around(DVec3::Z, f64::from(u[1])) * across + DVec3::Z * height)
     }
 
+    /// The numbers with which `sample_area` draws a position.
+    #[inline]
+    pub fn invert_area(&self, position: Vec3A) -> [f32; 2] {
+        self.invert_outward(position.as_dvec3() - self.center.as_dvec3())
+    }
+
+    #[inline]
+    fn invert_outward(&self, outward: DVec3) -> [f32; 2] {
+        let outward = outward.normalize_or(DVec3::Z);
+        let height = outward.z;
+        // One minus the height, without cancellation about the pole.
+        let fall =
+            if height > 0.0 { outward.truncate().length_squared() / (1.0 + height) } else { 1.0 - height };
+        [unit(0.5 * fall), unit(turn_around(DVec3::Z, outward))]
+    }
+
     /// A point seen from `from`, uniform over the solid angle that the sphere fills, and its
     /// density per steradian; from inside, a point uniform over the area with its density
     /// converted. `None` only when a point from inside coincides with `from`.
@@ -83,6 +100,28 @@ impl Sphere {
         let sin_center = (1.0 - cos_center * cos_center).max(0.0).sqrt();
         let outward = cone.axis * cos_center + around(cone.axis, f64::from(u[1])) * sin_center;
         Some((self.towards(outward), cone.pdf()))
+    }
+
+    /// The numbers with which [`Self::sample_solid_angle`] draws `point`, a point of this
+    /// sphere; `None` where the sphere hides it from `from`.
+    ///
+    /// The normal decides which point it is: on a small sphere it tells more than the position.
+    #[inline]
+    pub fn invert_solid_angle(&self, from: Vec3A, point: &SurfacePoint) -> Option<[f32; 2]> {
+        let outward = point.normal.as_dvec3().normalize_or(DVec3::Z);
+        let Some(cone) = self.cone(from) else { return Some(self.invert_outward(outward)) };
+        let (center, radius) = (self.center.as_dvec3(), f64::from(self.radius));
+        let distance = from.as_dvec3().distance(center);
+        let cos_center = outward.dot(cone.axis);
+        let reach = center.abs().max_element() + radius + distance;
+        if cos_center < radius / distance - HORIZON_SLACK * reach / distance {
+            return None;
+        }
+        let across = (outward - cone.axis * cos_center) * radius;
+        let along = distance - radius * cos_center;
+        let sin2 = across.length_squared() / (across.length_squared() + along * along);
+        let fall = sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt());
+        Some([unit(fall / cone.one_minus_cos), unit(turn_around(cone.axis, across))])
     }
 
     /// The density per steradian with which [`Self::sample_solid_angle`] draws `point`, which
@@ -129,6 +168,10 @@ impl Sphere {
         SurfacePoint::rounded(center + outward * radius, reach, DVec3::ZERO, outward)
     }
 }
+
+/// How far beyond the horizon a point still counts as seen, relative to the largest
+/// coordinate: both the point and the place it was met from are rounded to `f32`.
+const HORIZON_SLACK: f64 = 16.0 * f32::EPSILON as f64;
 
 /// The directions from a point to a sphere.
 struct Cone {

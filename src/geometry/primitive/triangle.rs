@@ -1,6 +1,8 @@
 //! The triangle, watertight against its neighbours.
 
 use super::super::{Bounds, Meeting, PreciseRay, SurfacePoint};
+use super::coefficients;
+use crate::sampler::inverse::{ANY, unit};
 use glam::{DVec3, Vec3, Vec3A};
 
 /// A flat triangle that carries its own vertices, so that meeting it touches one cache line.
@@ -70,6 +72,15 @@ impl Triangle {
         // Osada et al. 2002, "Shape distributions", equation 1.
         let root = f64::from(u[0]).sqrt();
         self.at(root * (1.0 - f64::from(u[1])), root * f64::from(u[1]))
+    }
+
+    /// The numbers with which `sample_area` draws a position.
+    #[inline]
+    pub fn invert_area(&self, position: Vec3A) -> [f32; 2] {
+        let [a, b, c] = self.doubles();
+        let [to_b, to_c] = coefficients(position.as_dvec3() - a, b - a, c - a);
+        let root = (to_b + to_c).clamp(0.0, 1.0);
+        [unit(root * root), if root > 0.0 { unit(to_c / root) } else { ANY }]
     }
 
     #[inline]
