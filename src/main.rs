@@ -1,7 +1,8 @@
 //! The program `etalon`: prints errors and picks exit codes; the work is in `cli`.
 //!
 //! Exit codes: 0 done, 1 something failed, 2 something that the user gave is wrong, 3 the
-//! picture would miss light and `--strict` was asked for.
+//! picture would miss light and `--strict` was asked for, 4 no light was found where there
+//! may be some.
 
 mod cli;
 
@@ -14,6 +15,10 @@ fn main() -> ExitCode {
         Err(error) if error.is::<Error>() => {
             eprintln!("error: {error}");
             ExitCode::from(2)
+        }
+        Err(error) if error.is::<cli::NothingFound>() => {
+            eprintln!("error: {error}");
+            ExitCode::from(4)
         }
         Err(error) => {
             eprintln!("error: {error:#}");

@@ -24,7 +24,7 @@ pub struct Effort {
     /// Size of the picture instead of the scene's, as WIDTHxHEIGHT
     #[arg(long, value_name = "WxH", value_parser = resolution)]
     pub resolution: Option<[u32; 2]>,
-    /// Algorithm: path, light or bdpt
+    /// Algorithm: path, light, bdpt or mlt
     #[arg(long, value_name = "NAME", default_value = "path", value_parser = integrator)]
     pub integrator: Integrator,
 }

@@ -44,6 +44,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
             .in_file(&arguments.scene)
             .into());
     }
+    if arguments.integrator == Integrator::Mlt {
+        return Err(Error::new("chains of paths make pictures; a meter is one number")
+            .hint("use --integrator bdpt")
+            .in_file(&arguments.scene)
+            .into());
+    }
     let strategies = arguments.integrator.strategies().for_instruments();
     for is_open in [true, false] {
         let missing = unreachable_by_instrument(&scene, &strategies, is_open);

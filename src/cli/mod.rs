@@ -10,6 +10,8 @@ mod spectra;
 mod strategies;
 mod validate;
 
+pub use render::NothingFound;
+
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 

@@ -7,7 +7,8 @@ use clap::Args;
 use etalon::camera::Development;
 use etalon::error::{Error, Result};
 use etalon::image::{Facts, Layers, write_developed, write_exr};
-use etalon::integrator::{Integrator, Rendering, render};
+use etalon::integrator::{Integrator, Rendering};
+use etalon::metropolis::Outcome;
 use etalon::scene::{Plan, Scene, View};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -27,6 +28,9 @@ pub struct Arguments {
     png: Option<PathBuf>,
     #[command(flatten)]
     effort: Effort,
+    /// Also write the facts of the render, those of the EXR, as a JSON file
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
     /// Also write what each bidirectional strategy finds, weighted and by itself: EXRs and a
     /// contact sheet, for paths of up to 7 vertices
     #[arg(long, value_name = "DIR", conflicts_with = "time")]
@@ -47,6 +51,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     check_output(&arguments.output, &["exr"], "the output is an OpenEXR file")?;
     if let Some(png) = &arguments.png {
         check_output(png, &["png", "tif", "tiff"], "a developed picture is a PNG or a TIFF")?;
+    }
+    if let Some(report) = &arguments.report {
+        check_output(report, &["json"], "the report is a JSON file")?;
+    }
+    if arguments.strategies.is_some() && arguments.effort.integrator == Integrator::Mlt {
+        return Err(Error::new("a chain's path belongs to no single strategy")
+            .hint("use --strategies with --integrator bdpt, whose strategies mlt shares")
+            .into());
     }
     arguments.effort.start_threads()?;
     let scene = Scene::load(&arguments.scene)?;
@@ -82,6 +94,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         facts.samples_per_pixel,
         facts.seconds
     ));
+    if let Some(report) = &arguments.report {
+        let text = serde_json::to_string_pretty(&facts)?;
+        std::fs::write(report, text + "\n").map_err(|e| Error::io(report, "write the report", &e))?;
+    }
+    if let Some(outcome) = &facts.metropolis {
+        tell(outcome);
+    }
     if facts.non_finite_samples > 0 {
         eprintln!("warning: {} samples were not finite and count as zero", facts.non_finite_samples);
     }
@@ -90,6 +109,33 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         super::print(&format!("{}: every strategy by itself and weighted", sheet.display()));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What the chains of a render say about themselves.
+fn tell(outcome: &Outcome) {
+    if let Some(report) = &outcome.report {
+        super::print(report.to_string().trim_end());
+    } else if let Some(paths) = outcome.found_none_in {
+        eprintln!("warning: the picture is direct light alone; {}", none_found(paths, outcome));
+    }
+}
+
+/// That a search ended without light, and what that says.
+fn none_found(paths: u64, outcome: &Outcome) -> String {
+    let most = outcome.most_probable_hit().unwrap_or(1.0);
+    format!("beyond it, found none in {paths} paths; hit probability below {most:.1e} at 95 %")
+}
+
+/// The error of a scene in which lamps shine and no light was found.
+#[derive(Debug)]
+pub struct NothingFound(String);
+
+impl std::error::Error for NothingFound {}
+
+impl std::fmt::Display for NothingFound {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
 }
 
 /// What a plan's strategies cannot find, on one line.
@@ -101,7 +147,7 @@ fn missing(plan: &Plan, integrator: Integrator) -> String {
             "give the lamp its real size, or use --integrator bdpt and give the camera a lens (focus_distance)"
         }
         Integrator::Light => "use --integrator bdpt, and give a point light its real size",
-        Integrator::Bdpt => "give the lamp its real size, or the camera a lens (focus_distance)",
+        Integrator::Bdpt | Integrator::Mlt => "give the lamp its real size, or the camera a lens (focus_distance)",
     };
     format!("cannot be found and is missing: {}; {remedy}", classes.join("; "))
 }
@@ -146,9 +192,18 @@ pub fn render_to_files(
     }
     let budget = effort.budget(default_spp);
     let bar = Bar::new();
-    let Rendering { film, elapsed } = render(scene, view, &plan, &budget, &bar);
+    let rendering = effort.integrator.render(scene, view, &plan, &budget, &bar);
     bar.finish();
-    let facts = Facts::of(scene, view, &plan, effort.integrator, &budget, &film, elapsed);
+    if let Some(outcome) = &rendering.metropolis
+        && let Some(paths) = outcome.found_none_in
+        && !outcome.direct_light
+    {
+        let what = none_found(paths, outcome);
+        let text = format!("{}: no direct light was found; {what}; no picture is written", scene.name);
+        return Err(NothingFound(text).into());
+    }
+    let Rendering { film, elapsed, metropolis } = rendering;
+    let facts = Facts { metropolis, ..Facts::of(scene, view, &plan, effort.integrator, &budget, &film, elapsed) };
     write_exr(exr, &film, &view.sensor, &facts, layers)?;
     if let Some(png) = png {
         write_developed(png, &film, &Development::new(&view.exposure, view.white))?;

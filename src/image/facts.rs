@@ -2,6 +2,7 @@
 
 use crate::camera::Film;
 use crate::integrator::{Budget, Integrator};
+use crate::metropolis::Outcome;
 use crate::scene::{Plan, Scene, View};
 use serde::Serialize;
 use std::time::Duration;
@@ -39,6 +40,8 @@ pub struct Facts {
     pub relative_error: Option<f64>,
     /// Samples that were not finite; they count as zero.
     pub non_finite_samples: u64,
+    /// What chains of paths say about themselves.
+    pub metropolis: Option<Outcome>,
 }
 
 /// A camera's settings.
@@ -108,6 +111,7 @@ impl Facts {
             notes: scene.notes.clone(),
             relative_error: film.relative_error(),
             non_finite_samples: film.non_finite_samples,
+            metropolis: None,
         }
     }
 }
