@@ -128,20 +128,29 @@ impl Ggx {
         Vec3A::new(self.alpha_x * h_x, self.alpha_y * h_y, h_z).normalize_or_zero()
     }
 
-    /// The numbers with which `sample_visible` draws the facet along `h`, of any length and
+    /// The numbers with which `sample_visible` draws the facet along the unit vector `h`,
     /// seen from `wo` above.
     ///
     /// The facet stretched to unit length is d = (c + w) / |c + w|, with w the stretched `wo`
     /// and c a point of the unit sphere above height -w_z; hence c = 2 (d.w) d - w.
     #[inline]
-    pub(super) fn invert_visible(&self, wo: Vec3A, h: Vec3A) -> [f32; 2] {
+    pub(super) fn invert_visible(&self, wo: Vec3A, h: DVec3) -> [f32; 2] {
         let (alpha_x, alpha_y) = (f64::from(self.alpha_x), f64::from(self.alpha_y));
-        let (wo, h) = (wo.as_dvec3(), h.as_dvec3());
+        let wo = wo.as_dvec3();
         let w = DVec3::new(alpha_x * wo.x, alpha_y * wo.y, wo.z).normalize();
         let d = DVec3::new(h.x / alpha_x, h.y / alpha_y, h.z).normalize();
         let raised = d * (2.0 * d.dot(w));
         [unit(turn(raised.x - w.x, raised.y - w.y)), unit(1.0 - raised.z / (1.0 + w.z))]
     }
+}
+
+/// Unit vector along wo + eta wi: the normal, up or down, of the facet that mirrors (eta = 1)
+/// or refracts `wo` into `wi`.
+///
+/// Of exactly unit length, or a rounding of their lengths would turn the facet as soon as the
+/// two directions nearly cancel.
+pub(super) fn facet_along(wo: Vec3A, wi: Vec3A, eta: f64) -> DVec3 {
+    (wo.as_dvec3().normalize() + wi.as_dvec3().normalize() * eta).normalize_or_zero()
 }
 
 /// Euler's beta function for arguments of at least one, to a relative 1e-7.

@@ -3,6 +3,7 @@
 use glam::Vec3A;
 
 use super::facing::Upright;
+use super::ggx::facet_along;
 use super::{BsdfSample, BsdfValue, Ggx, SmoothConductor};
 use crate::spectrum::Spectrum;
 
@@ -41,6 +42,6 @@ impl RoughConductor {
     pub(super) fn invert(&self, wo: Vec3A, wi: Vec3A) -> Option<[f32; 2]> {
         let upright = Upright::of_opaque(wo, self.metal.two_sided)?;
         let (wo, wi) = (upright.turn(wo), upright.turn(wi));
-        Some(self.facets.invert_visible(wo, wo + wi))
+        Some(self.facets.invert_visible(wo, facet_along(wo, wi, 1.0)))
     }
 }

@@ -5,9 +5,10 @@
 //! well that the refracted lobe is narrower than what directions resolve passes straight
 //! through as a delta instead; the lobes know nothing of it.
 
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 
 use super::facing::Upright;
+use super::ggx::facet_along;
 use super::{BsdfSample, BsdfValue, Ggx, Interface, Quantity, SmoothDielectric};
 use crate::spectrum::{LANES, Spectrum};
 
@@ -77,7 +78,9 @@ impl RoughDielectric {
     /// What value and density have in common, D T |wo.h| |wi.h| / (wo.h + eta wi.h)^2: both
     /// equations 17 and 21 of Walter et al. with i and o exchanged and n_i = 1.
     fn crossing(&self, seen: &Interface, lane: usize, wo: Vec3A, wi: Vec3A) -> Option<f32> {
-        let h = facet_across(seen, lane, wo, wi);
+        // wo + eta wi, arranged so that media that nearly match do not cancel twice.
+        let along = ((wo + wi) + wi * seen.excess()[lane]).normalize_or_zero();
+        let h = if along.z < 0.0 { -along } else { along };
         let (cos_o, cos_i) = (wo.dot(h), -wi.dot(h));
         if h.z <= 0.0 || cos_o <= 0.0 || cos_i <= 0.0 {
             return None;
@@ -125,8 +128,7 @@ impl RoughDielectric {
     /// The numbers that draw `wi`, a direction of positive density for the hero.
     pub(super) fn invert(&self, wo: Vec3A, wi: Vec3A) -> Option<[f32; 2]> {
         let upright = Upright::of(wo)?;
-        let h = self.hero_facet(wo, upright, wi);
-        Some(self.facets.invert_visible(upright.turn(wo), h))
+        Some(self.facets.invert_visible(upright.turn(wo), self.hero_facet(wo, upright, wi)))
     }
 
     /// Probability of the lobe on the side of `wi`: Fresnel's share for the hero at the facet
@@ -137,25 +139,19 @@ impl RoughDielectric {
         }
         match Upright::of(wo) {
             Some(upright) if self.evaluate(wo, wi, quantity).pdf.hero() > 0.0 => {
-                let cos_o = upright.turn(wo).dot(self.hero_facet(wo, upright, wi));
-                self.interface.seen_from(wo.z > 0.0).shares(0, cos_o).of_lobe(wo.z * wi.z)
+                let cos_o = upright.turn(wo).as_dvec3().dot(self.hero_facet(wo, upright, wi));
+                self.interface.seen_from(wo.z > 0.0).shares(0, cos_o as f32).of_lobe(wo.z * wi.z)
             }
             _ => 0.0,
         }
     }
 
-    /// The facet that joins two directions for the hero.
-    fn hero_facet(&self, wo: Vec3A, upright: Upright, wi: Vec3A) -> Vec3A {
-        let seen = self.interface.seen_from(wo.z > 0.0);
-        let (wo, wi) = (upright.turn(wo), upright.turn(wi));
-        if wi.z > 0.0 { (wo + wi).normalize_or_zero() } else { facet_across(&seen, 0, wo, wi) }
+    /// The upper side of the facet that joins two directions for the hero.
+    fn hero_facet(&self, wo: Vec3A, upright: Upright, wi: Vec3A) -> DVec3 {
+        let across = wo.z * wi.z < 0.0;
+        let eta =
+            if across { 1.0 + f64::from(self.interface.seen_from(wo.z > 0.0).excess().hero()) } else { 1.0 };
+        let along = facet_along(upright.turn(wo), upright.turn(wi), eta);
+        if along.z < 0.0 { -along } else { along }
     }
-}
-
-/// The upper side of the facet that refracts `wo` into `wi` at a lane.
-#[inline]
-fn facet_across(seen: &Interface, lane: usize, wo: Vec3A, wi: Vec3A) -> Vec3A {
-    // wo + eta wi, arranged so that media that nearly match do not cancel twice.
-    let along = ((wo + wi) + wi * seen.excess()[lane]).normalize_or_zero();
-    if along.z < 0.0 { -along } else { along }
 }
