@@ -110,7 +110,7 @@ impl<'w, 'a> Chain<'w, 'a> {
     }
 
     fn choose(&mut self) -> Mutation {
-        if self.numbers.fine() < FRESH {
+        if self.numbers.fine() < FRESH || std::env::var("FRESHONLY").is_ok() {
             return Mutation::Fresh;
         }
         let weights = Mutation::ALL.iter().map(|mutation| offered(*mutation, &self.state));
@@ -129,7 +129,9 @@ impl<'w, 'a> Chain<'w, 'a> {
 
 /// Weight of a mutation at a path.
 fn offered(mutation: Mutation, path: &Path) -> f64 {
-    let weight = weight(mutation);
+    static MASK: std::sync::OnceLock<u64> = std::sync::OnceLock::new();
+    let mask = *MASK.get_or_init(|| std::env::var("MASK").ok().and_then(|m| m.parse().ok()).unwrap_or(255));
+    let weight = if mask >> (mutation as u64) & 1 == 1 { weight(mutation) } else { 0.0 };
     if weight > 0.0 && mutation.applies(path) { weight } else { 0.0 }
 }
 

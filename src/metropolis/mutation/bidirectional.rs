@@ -31,7 +31,7 @@ impl Mutator<'_, '_> {
         let cuts: Vec<(Cut, f64)> = self.cuts(x).collect();
         let cut = cuts[numbers.choose(cuts.iter().map(|(_, weight)| *weight))?].0;
         let removed = x.count() - cut.from_light - cut.from_eye;
-        let inserted = numbers.choose((0..=2 * LONGEST).map(|inserted| inserting(removed, inserted)))?;
+        let inserted = numbers.choose((0..=LONGEST).map(|inserted| inserting(removed, inserted)))?;
         let from_light = numbers.index(inserted + 1);
         y.copy_nodes(x);
         self.draft.keep(x, cut.from_light, cut.from_eye);
@@ -63,7 +63,7 @@ impl Mutator<'_, '_> {
         let end = to.count() - cut.from_eye;
         // Any of its splits may have made the stretch.
         let splits = (cut.from_light..=end).map(|s| to.ln_between(cut.from_light, end, s));
-        (this / total).ln() + (inserting(removed, inserted) / (inserted + 1) as f64).ln() + ln_sum(splits)
+        (this / total).ln() + (probability_of(removed, inserted) / (inserted + 1) as f64).ln() + ln_sum(splits)
     }
 
     /// The stretches of a path that may be cut out, and the weight of each.
@@ -83,7 +83,7 @@ impl Mutator<'_, '_> {
     }
 }
 
-/// Probability, up to a factor, with which so many vertices replace so many others.
+/// Weight with which so many vertices replace so many others.
 fn inserting(removed: usize, inserted: usize) -> f64 {
     match removed.abs_diff(inserted) {
         // Nothing in the place of nothing is no change.
@@ -92,6 +92,12 @@ fn inserting(removed: usize, inserted: usize) -> f64 {
         1 => NEXT,
         more => FURTHER * 0.5_f64.powi(more as i32),
     }
+}
+
+/// Probability with which so many vertices replace so many others.
+fn probability_of(removed: usize, inserted: usize) -> f64 {
+    let all: f64 = (0..=LONGEST).map(|other| inserting(removed, other)).sum();
+    if inserted > LONGEST { 0.0 } else { inserting(removed, inserted) / all }
 }
 
 /// Weight of a stretch: by its length, and by how many of the joints that could close it are
