@@ -14,6 +14,49 @@ pub const fn lobe_number(crosses: bool) -> f32 {
     if crosses { 1.0 - f32::EPSILON / 2.0 } else { 0.0 }
 }
 
+/// Vertices of a walk that are not left to chance, and the probability of each one after them:
+/// light that is trapped between mirrors ends.
+pub const SURE_VERTICES: usize = 64;
+/// See [`SURE_VERTICES`].
+pub const SURVIVAL: f64 = 0.995;
+
+/// How far a walk goes.
+#[derive(Clone, Copy)]
+pub enum Until {
+    /// To so many vertices.
+    Vertices(usize),
+    /// To so many that count.
+    Counted(usize),
+}
+
+impl Until {
+    fn is_reached(self, walk: &[Node]) -> bool {
+        match self {
+            Self::Vertices(vertices) => walk.len() >= vertices,
+            Self::Counted(vertices) => walk.iter().filter(|node| node.counts()).count() >= vertices,
+        }
+    }
+
+    /// The same for one vertex less.
+    const fn before(self) -> Self {
+        match self {
+            Self::Vertices(vertices) => Self::Vertices(vertices.saturating_sub(1)),
+            Self::Counted(vertices) => Self::Counted(vertices.saturating_sub(1)),
+        }
+    }
+
+    const fn vertices(self) -> usize {
+        match self {
+            Self::Vertices(vertices) | Self::Counted(vertices) => vertices,
+        }
+    }
+}
+
+/// Whether a walk of so many vertices gets another one.
+pub fn survives(walk: &[Node], numbers: &mut Numbers) -> bool {
+    walk.len() < SURE_VERTICES || numbers.fine() < SURVIVAL
+}
+
 /// Where the numbers of a walk come from.
 pub trait Source {
     /// Which way a surface sends light, and where exactly: by [`crate::material::Bsdf::sample`].
@@ -126,15 +169,18 @@ impl World<'_> {
         Some(ray)
     }
 
-    /// Walks on from the eye's side until it has so many vertices.
+    /// Walks on from the eye's side.
     pub fn walk_from_eye(
         &self,
         draft: &mut Draft,
-        vertices: usize,
+        until: Until,
         wavelengths: &Wavelengths,
         numbers: &mut Numbers,
     ) -> Option<()> {
-        while draft.eye.len() < vertices {
+        while !until.is_reached(&draft.eye) {
+            if !survives(&draft.eye, numbers) {
+                return None;
+            }
             let ray = match &mut draft.eye[..] {
                 [] => {
                     draft.eye.push(self.eye_node(numbers)?);
@@ -151,16 +197,18 @@ impl World<'_> {
         Some(())
     }
 
-    /// Walks on from the light's side until it has so many vertices, the first of them drawn
-    /// as the start of a walk.
+    /// Walks on from the light's side, the first vertex drawn as the start of a walk.
     pub fn walk_from_light(
         &self,
         draft: &mut Draft,
-        vertices: usize,
+        until: Until,
         wavelengths: &Wavelengths,
         numbers: &mut Numbers,
     ) -> Option<()> {
-        while draft.light.len() < vertices {
+        while !until.is_reached(&draft.light) {
+            if !survives(&draft.light, numbers) {
+                return None;
+            }
             if draft.light.is_empty() {
                 draft.light.push(self.start_of_light(numbers)?);
                 continue;
@@ -169,6 +217,35 @@ impl World<'_> {
             draft.light.push(self.meet(&ray, wavelengths)?);
         }
         Some(())
+    }
+
+    /// Walks on from the light's side until it meets the eye: at once, or where mirrors do not
+    /// count, over these.
+    fn walk_to_eye(
+        &self,
+        draft: &mut Draft,
+        until: Until,
+        wavelengths: &Wavelengths,
+        numbers: &mut Numbers,
+    ) -> Option<()> {
+        loop {
+            if !survives(&draft.light, numbers) {
+                return None;
+            }
+            let ray = self.next_light_ray(draft, numbers)?;
+            let hit = self.scene.geometry.intersect(&ray);
+            if let Some((point, distance)) = self.eye.meet(&ray)
+                && hit.is_none_or(|hit| hit.t > distance)
+            {
+                draft.light.push(Node::eye(point, true));
+                return Some(());
+            }
+            let node = self.meet(&ray, wavelengths)?;
+            if matches!(until, Until::Vertices(_)) || node.counts() {
+                return None;
+            }
+            draft.light.push(node);
+        }
     }
 
     fn next_light_ray(&self, draft: &mut Draft, numbers: &mut Numbers) -> Option<Ray> {
@@ -182,33 +259,26 @@ impl World<'_> {
         }
     }
 
-    /// Completes a path of `s` vertices from the light and `t` from the eye by the strategy
-    /// that these numbers name, from whatever the draft holds already.
+    /// Completes a path with walks as long as `s` from the light and `t` from the eye, from
+    /// whatever the draft holds already.
     pub fn complete(
         &self,
         draft: &mut Draft,
-        (s, t): (usize, usize),
+        (s, t): (Until, Until),
         wavelengths: &Wavelengths,
         numbers: &mut Numbers,
     ) -> Option<()> {
-        let asks = s == 1 && draft.light.is_empty();
-        if t == 0 {
-            self.walk_from_light(draft, s - 1, wavelengths, numbers)?;
-            let ray = self.next_light_ray(draft, numbers)?;
-            let (point, distance) = self.eye.meet(&ray)?;
-            let hit = self.scene.geometry.intersect(&ray);
-            if hit.is_some_and(|hit| hit.t <= distance) {
-                return None;
-            }
-            draft.light.push(Node::eye(point, true));
-            return Some(());
+        let asks = s.vertices() == 1 && draft.light.is_empty();
+        if t.vertices() == 0 {
+            self.walk_from_light(draft, s.before(), wavelengths, numbers)?;
+            return self.walk_to_eye(draft, s, wavelengths, numbers);
         }
         if !asks {
             self.walk_from_light(draft, s, wavelengths, numbers)?;
         }
         self.walk_from_eye(draft, t, wavelengths, numbers)?;
         let end = draft.eye.last_mut()?;
-        if s == 0 {
+        if s.vertices() == 0 {
             *end = end.as_light()?;
             return Some(());
         }

@@ -1,9 +1,14 @@
 //! How often a fresh path is made with how many vertices, and by which strategy.
+//!
+//! Mirrors are not counted: a walk follows them as far as they lead, and how many there are is
+//! the scene's affair. Counted are the ends, and the vertices where something can be joined or
+//! light met ([`super::path::Node::counts`]).
 
 use super::numbers::Numbers;
 use crate::path::Strategies;
 
-/// Probability of every number of vertices and vertices from the light for a fresh path.
+/// Probability of every number of counted vertices, and of those from the light, for a fresh
+/// path.
 ///
 /// Short paths have a table; longer ones a geometric tail, so that every path is possible.
 #[derive(Clone, Debug)]
@@ -17,9 +22,10 @@ pub struct Lengths {
     ratio: f64,
 }
 
-/// Vertices of the shortest path that is not direct light.
-pub const FEWEST: usize = 3;
-/// Vertices of the longest path in the table.
+/// Counted vertices of the shortest path that is not direct light: from a point light over
+/// mirrors onto the lens.
+pub const FEWEST: usize = 2;
+/// Counted vertices of the longest path in the table.
 const LONGEST: usize = 24;
 /// Probability that a path goes on by a vertex while nothing is known.
 const UNKNOWN_RATIO: f64 = 0.7;
@@ -53,7 +59,7 @@ impl Lengths {
         let unknown = Self::unknown(self.strategies);
         let root = |vertices: usize, s: usize| {
             let root = (second_moment(vertices, s) / vertices as f64).sqrt();
-            if self.strategies.plans(s, vertices - s) && root.is_finite() { root } else { 0.0 }
+            if is_planned(&self.strategies, vertices, s) && root.is_finite() { root } else { 0.0 }
         };
         let rows: Vec<Vec<f64>> =
             (FEWEST..=LONGEST).map(|n| (0..=n).map(|s| root(n, s)).collect()).collect();
@@ -80,7 +86,7 @@ impl Lengths {
         if vertices <= LONGEST {
             return vertices.checked_sub(FEWEST).map_or(0.0, |row| self.table[row][s]);
         }
-        if !self.strategies.plans(s, vertices - s) {
+        if !is_planned(&self.strategies, vertices, s) {
             return 0.0;
         }
         let further = (vertices - LONGEST - 1) as f64;
@@ -105,7 +111,17 @@ impl Lengths {
 
 /// Vertices from the light of the strategies for paths of so many vertices.
 fn planned(strategies: &Strategies, vertices: usize) -> Vec<usize> {
-    (0..=vertices).filter(|s| strategies.plans(*s, vertices - s)).collect()
+    (0..=vertices).filter(|s| is_planned(strategies, vertices, *s)).collect()
+}
+
+/// Whether a strategy for paths of so many counted vertices is of use. Light that reaches what
+/// the eye is joined to comes over mirrors wherever it is not direct.
+const fn is_planned(strategies: &Strategies, vertices: usize, s: usize) -> bool {
+    match (vertices, s) {
+        (2, _) => s == 2 && strategies.meets_eye,
+        (3, 2) => strategies.asks_eye,
+        _ => strategies.plans(s, vertices - s),
+    }
 }
 
 #[cfg(test)]

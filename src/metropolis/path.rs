@@ -5,6 +5,7 @@
 //! vertex as seen from either end. Dirac deltas stand by their coefficients, in the measure
 //! n^2 |cos| dw (see [`crate::measure`]), and cancel between contribution and density.
 
+use super::grow::{SURE_VERTICES, SURVIVAL};
 use super::world::World;
 use crate::geometry::SurfacePoint;
 use crate::light::Light;
@@ -46,6 +47,11 @@ impl Node {
     /// Whether nothing can be joined to the vertex.
     pub fn is_mirror(&self) -> bool {
         self.surface().is_some_and(|surface| surface.bsdf.is_delta())
+    }
+
+    /// Whether fresh paths count the vertex: not a mirror, unless it shines by itself.
+    pub fn counts(&self) -> bool {
+        !self.is_mirror() || self.surface().is_some_and(|surface| surface.light.is_some())
     }
 
     /// The vertex as the end of a path that has met a light; `None` where nothing shines.
@@ -102,6 +108,8 @@ pub struct Path {
     asked: f64,
     /// Density with which each strategy makes the path, by vertices from the light.
     strategies: Vec<Logarithms>,
+    /// Counted vertices before each one, and all of them at the end.
+    counted: Vec<usize>,
 }
 
 /// Which of the two sides of a vertex.
@@ -131,12 +139,18 @@ impl Path {
             from_eye: Vec::new(),
             asked: f64::NEG_INFINITY,
             strategies: Vec::new(),
+            counted: Vec::new(),
         }
     }
 
     /// Number of vertices.
     pub const fn count(&self) -> usize {
         self.nodes.len()
+    }
+
+    /// Number of counted vertices, and of those among the first `s`.
+    pub fn counted(&self, s: usize) -> (usize, usize) {
+        (self.counted[self.count()], self.counted[s])
     }
 
     /// Takes over vertices and wavelengths of another path, unjudged.
@@ -424,6 +438,11 @@ impl Path {
         }
         self.from_eye.push(same(sight_pdf * self.per_area[last - 1][0]));
         self.from_eye.push(same(world.eye.pdf_area()));
+        for index in SURE_VERTICES..=last {
+            let survival = SURVIVAL.ln();
+            self.from_light[index].iter_mut().for_each(|ln| *ln += survival);
+            self.from_eye[last - index].iter_mut().for_each(|ln| *ln += survival);
+        }
         let lit = &self.nodes[1].point;
         let probability = lights.probability_towards(lit.position, index);
         self.asked = match primitive {
@@ -438,6 +457,11 @@ impl Path {
     /// Density of every strategy, from the sums over both walks.
     fn combine(&mut self, world: &World<'_>, lanes: usize) {
         let count = self.count();
+        self.counted.clear();
+        self.counted.push(0);
+        for node in &self.nodes {
+            self.counted.push(self.counted[self.counted.len() - 1] + usize::from(node.counts()));
+        }
         self.strategies.clear();
         self.strategies.resize(count + 1, [0.0; LANES]);
         for lane in 0..lanes {
@@ -469,7 +493,10 @@ impl Path {
         let count = self.count();
         let mut together = [f64::NEG_INFINITY; LANES];
         for (lane, ln) in together.iter_mut().enumerate().take(lanes) {
-            let terms = (0..=count).map(|s| world.lengths.probability(count, s).ln() + self.strategies[s][lane]);
+            let terms = (0..=count).map(|s| {
+                let (all, from_light) = self.counted(s);
+                world.lengths.probability(all, from_light).ln() + self.strategies[s][lane]
+            });
             *ln = ln_sum(terms);
         }
         together

@@ -3,7 +3,6 @@
 //! Chains that set out from paths drawn in proportion to what they count are in equilibrium
 //! from the start (Veach 1997, section 11.3.1).
 
-use super::lengths::FEWEST;
 use super::mutation::{Mutator, Place};
 use super::normalisation::Estimates;
 use super::numbers::Numbers;
@@ -82,18 +81,15 @@ impl World<'_> {
             let moment = |s: usize| {
                 let ln_share = squares[s] - all;
                 let ln = 2.0 * path.ln_estimate() + 2.0 * ln_share + path.ln_fresh - 0.5 * squares[s];
-                (s, ln.exp())
+                ln.exp()
             };
             let planned = (0..=n).filter(|s| squares[*s].is_finite());
-            (n, planned.map(moment).collect::<Vec<_>>())
+            planned.map(|s| (path.counted(s), moment(s))).collect::<Vec<_>>()
         };
         let (found, _) = self.fresh_paths([seed, Use::Pilot as u64, round], count, each);
         let mut moments: HashMap<(usize, usize), f64> = HashMap::new();
-        for (n, path) in found {
-            debug_assert!(n >= FEWEST);
-            for (s, moment) in path {
-                *moments.entry((n, s)).or_default() += moment;
-            }
+        for (lengths, moment) in found.into_iter().flatten() {
+            *moments.entry(lengths).or_default() += moment;
         }
         self.lengths = self.lengths.learned(|n, s| moments.get(&(n, s)).copied().unwrap_or(0.0));
     }

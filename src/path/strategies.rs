@@ -77,7 +77,7 @@ impl Strategies {
 
     /// Whether strategy (s, t) is in the list.
     #[inline]
-    pub fn plans(&self, light_vertices: usize, eye_vertices: usize) -> bool {
+    pub const fn plans(&self, light_vertices: usize, eye_vertices: usize) -> bool {
         let listed = match (light_vertices, eye_vertices) {
             (0, _) => self.meets_lights,
             (_, 0) => self.meets_eye,
@@ -87,7 +87,11 @@ impl Strategies {
             (_, 1) => self.asks_eye,
             _ => self.joins,
         };
-        listed && self.only.is_none_or(|only| only == (light_vertices, eye_vertices))
+        listed
+            && match self.only {
+                Some((light, eye)) => light == light_vertices && eye == eye_vertices,
+                None => true,
+            }
     }
 
     /// Whether any strategy has more than one vertex from a light, so that light is followed.

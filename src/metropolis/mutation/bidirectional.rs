@@ -2,6 +2,7 @@
 //! cut out, and another one, of nearly as many vertices, grows from both its ends.
 
 use super::Mutator;
+use crate::metropolis::grow::Until;
 use crate::metropolis::numbers::Numbers;
 use crate::metropolis::path::{Path, ln_sum};
 
@@ -40,7 +41,8 @@ impl Mutator<'_, '_> {
         if inserted == 0 && (s == 0 || t == 0) {
             return None;
         }
-        world.complete(&mut self.draft, (s, t), &y.wavelengths, numbers)?;
+        let lengths = (Until::Vertices(s), Until::Vertices(t));
+        world.complete(&mut self.draft, lengths, &y.wavelengths, numbers)?;
         self.draft.finish(y);
         if !y.judge(world) {
             return None;

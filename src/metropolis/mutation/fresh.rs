@@ -1,6 +1,7 @@
 //! A path that depends on no other: the large step, and where chains come from.
 
 use super::Mutator;
+use crate::metropolis::grow::Until;
 use crate::metropolis::numbers::Numbers;
 use crate::metropolis::path::Path;
 
@@ -16,7 +17,8 @@ impl Mutator<'_, '_> {
         let (vertices, s) = world.lengths.draw(numbers)?;
         self.draft.light.clear();
         self.draft.eye.clear();
-        world.complete(&mut self.draft, (s, vertices - s), &y.wavelengths, numbers)?;
+        let lengths = (Until::Counted(s), Until::Counted(vertices - s));
+        world.complete(&mut self.draft, lengths, &y.wavelengths, numbers)?;
         self.draft.finish(y);
         y.judge(world).then_some(())
     }

@@ -7,13 +7,10 @@
 
 use super::{Mutator, Place};
 use crate::material::Quantity;
-use crate::metropolis::grow::Source;
+use crate::metropolis::grow::{Source, survives};
 use crate::metropolis::numbers::Numbers;
 use crate::metropolis::path::Path;
 use crate::sampler::{mix, owen_sobol_2d};
-
-/// Mirrors between the eye and the first other vertex beyond which the mutation has no part.
-const MOST_MIRRORS: usize = 64;
 
 impl Place {
     /// The next position in the unit square.
@@ -29,15 +26,15 @@ impl Mutator<'_, '_> {
         let world = self.world;
         let u = self.place.next();
         let kept = (1..x.count() - 1).rev().find(|index| !x.is_delta(*index))?;
-        if x.count() - kept > MOST_MIRRORS {
-            return None;
-        }
         y.copy_nodes(x);
         self.draft.keep(x, kept, 0);
         self.draft.eye.push(world.eye_node(numbers)?);
         let position = [0, 1].map(|i| f64::from(u[i]) * f64::from(world.resolution[i]));
         let mut ray = world.eye_ray(&self.draft.eye[0], position)?;
         loop {
+            if !survives(&self.draft.eye, numbers) {
+                return None;
+            }
             self.draft.eye.push(world.meet(&ray, &y.wavelengths)?);
             let [.., from, node] = &mut self.draft.eye[..] else { return None };
             if !node.is_mirror() {
@@ -45,9 +42,6 @@ impl Mutator<'_, '_> {
             }
             let drawn = numbers.scatter();
             ray = world.scattered_ray(node, from, drawn, Quantity::Radiance)?;
-            if self.draft.eye.len() >= MOST_MIRRORS {
-                return None;
-            }
         }
         if !world.sees(self.draft.light.last()?, self.draft.eye.last()?) {
             return None;

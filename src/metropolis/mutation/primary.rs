@@ -21,7 +21,8 @@ impl Mutator<'_, '_> {
         let world = self.world;
         let count = x.count();
         let share = |s: usize| {
-            let probability = world.lengths.probability(count, s);
+            let (all, from_light) = x.counted(s);
+            let probability = world.lengths.probability(all, from_light);
             if probability > 0.0 { (probability.ln() + x.ln_strategy(s) - x.ln_fresh).exp() } else { 0.0 }
         };
         let s = numbers.choose((0..=count).map(share))?;
