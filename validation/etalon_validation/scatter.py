@@ -2,7 +2,7 @@
 
 The error of an integrator is the variance of a pixel over its runs, divided by the square of one
 picture R that all integrators share: the mean of their means, weighted by the inverse of the
-variance of each over the whole picture. With a picture for each, an integrator that misses light
+relative variance of each over the whole picture. With a picture for each, an integrator that misses light
 would be divided by less, and one with bright single pixels by its own bright pixels. With equal
 weights the noisier would still hide its own noise, since R is high where its runs happen to be.
 No choice of R notices light that an integrator has not found at all, and what is not found does
@@ -71,9 +71,11 @@ def judge(samples, runs):
     """Errors, their ratios to the first integrator's at equal time, and whether means agree: for JSON."""
     first = next(iter(runs))
     repeats = runs[first].cpu_s.size
-    costs, reference_error = costs_of(runs, {name: np.ones((1, repeats)) for name in runs})
+    reference, reference_error = shared_reference(runs)
+    # Each run once, then the drawn sets; R stays, or drawn runs would be judged by their own bright pixels.
+    costs = {name: costs_of(run, np.ones((1, repeats)), reference) for name, run in runs.items()}
     generator = np.random.default_rng(BOOTSTRAP_SEED)
-    resampled, _ = costs_of(runs, {name: draw_sets(generator, repeats) for name in runs})
+    resampled = {name: costs_of(run, draw_sets(generator, repeats), reference) for name, run in runs.items()}
     integrators = {}
     for name, run in runs.items():
         cpu_s = float(run.cpu_s.mean())
@@ -95,35 +97,35 @@ def draw_sets(generator, repeats):
     return generator.multinomial(repeats, np.full(repeats, 1 / repeats), size=BOOTSTRAP_SETS).astype(float)
 
 
-def costs_of(runs, sets):
-    """Relative mean squared error times processor seconds for each set of runs, plain and trimmed.
+def costs_of(run, sets, reference):
+    """Relative mean squared error times processor seconds, plain and trimmed, for each set of runs.
 
-    `sets` holds, for each integrator, rows of how often each run counts. Also the relative squared
-    error of R itself, in the first set.
+    `sets` holds rows of how often each run counts.
     """
-    values = {name: run.images.reshape(run.cpu_s.size, -1) for name, run in runs.items()}
-    count = len(next(iter(sets.values())))
-    costs = {name: np.empty((count, len(LABELS))) for name in runs}
-    for index in range(count):
-        times = {name: sets[name][index] for name in runs}
-        means = {name: times[name] @ values[name] / times[name].sum() for name in runs}
-        variances = {name: times[name] @ (values[name] - means[name]) ** 2 / (times[name].sum() - 1) for name in runs}
-        weights = reference_weights(variances)
-        reference = sum(weights[name] * means[name] for name in runs)
-        divisor = reference**2 + floor_of(reference)
-        for name, run in runs.items():
-            cpu_s = times[name] @ run.cpu_s / times[name].sum()
-            costs[name][index] = cpu_s * np.array(plain_and_trimmed(variances[name] / divisor))
-        if index == 0:
-            squared_error = sum(weights[name] ** 2 * variances[name] / times[name].sum() for name in runs)
-            reference_error = float((squared_error / divisor).mean())
-    return costs, reference_error
+    pixels, reference = run.images.reshape(run.cpu_s.size, -1), reference.ravel()
+    divisor = reference**2 + floor_of(reference)
+    costs = np.empty((len(sets), len(LABELS)))
+    for index, times in enumerate(sets):
+        mean = times @ pixels / times.sum()
+        variance = times @ (pixels - mean) ** 2 / (times.sum() - 1)
+        costs[index] = times @ run.cpu_s / times.sum() * np.array(plain_and_trimmed(variance / divisor))
+    return costs
 
 
-def reference_weights(variances):
-    """The share of each integrator's mean in R, all having as many runs."""
-    inverse = {name: 1 / values.mean() for name, values in variances.items()}
-    return {name: share / sum(inverse.values()) for name, share in inverse.items()}
+def shared_reference(runs):
+    """R, and its own relative squared error.
+
+    The weights' variances are relative to the plain mean of means: absolute ones are those of a
+    lamp in view.
+    """
+    means = np.array([run.images.mean(axis=0) for run in runs.values()])
+    errors = np.array([run.images.var(axis=0, ddof=1) / run.cpu_s.size for run in runs.values()])
+    plain = means.mean(axis=0)
+    weights = 1 / (errors / (plain**2 + floor_of(plain))).mean(axis=(1, 2))
+    weights = (weights / weights.sum())[:, None, None]
+    reference = (weights * means).sum(axis=0)
+    squared_error = (weights**2 * errors).sum(axis=0)
+    return reference, float((squared_error / (reference**2 + floor_of(reference))).mean())
 
 
 def scores(one, other):

@@ -55,6 +55,16 @@ class Scatter(unittest.TestCase):
         self.assertAlmostEqual(found["integrators"]["path"]["plain"]["relative_mse"] / 99, 1, delta=0.2)
         self.assertLess(found["reference_relative_mse"], 0.01)
 
+    def test_a_lamp_in_view_does_not_decide_whose_mean_counts(self):
+        hits = self.generator.random((REPEATS, 48, 48)) < 0.01
+        rare, fine = Runs(np.where(hits, 100 * LUMINANCE, 0.0), np.ones(REPEATS)), noisy(self.generator, 0.1, size=(48, 48))
+        for run in (rare, fine):
+            run.images[:, 5, 5] = 1e5 * LUMINANCE * self.generator.random(REPEATS)
+        found = report(rare, fine)
+        # The floor grows with the mean that the lamp raises.
+        floor = (0.01 * 50_000 / 48**2) ** 2
+        self.assertAlmostEqual(found["integrators"]["path"]["trimmed"]["relative_mse"] * (1 + floor) / 99, 1, delta=0.3)
+
     def test_a_reference_that_holds_the_noise_it_judges_is_named(self):
         text = describe_alone(report(noisy(self.generator, 3), noisy(self.generator, 3)))
         self.assertIn("lower bounds", text)
