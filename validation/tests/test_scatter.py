@@ -67,7 +67,7 @@ class Scatter(unittest.TestCase):
 
     def test_a_reference_that_holds_the_noise_it_judges_is_named(self):
         text = describe_alone(report(noisy(self.generator, 3), noisy(self.generator, 3)))
-        self.assertIn("lower bounds", text)
+        self.assertIn("lower bound", text)
 
     def test_one_pixel_that_scatters_counts_plain_and_not_trimmed(self):
         wild = noisy(self.generator, 0.1)
