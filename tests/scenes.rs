@@ -5,17 +5,25 @@ mod common;
 use common::{SIGMAS, scene, scenes};
 use etalon::camera::Film;
 use etalon::integrator::{Budget, Integrator, Silent, render};
-use etalon::scene::Plan;
-use serde_json::Value;
+use etalon::scene::{Plan, Scene, unreachable};
+use serde_json::{Value, json};
+use std::path::Path;
 
 const LUMINANCE: usize = 1;
 
+/// Scenes of `reference/` whose light is hard to find.
+const HARD: [&str; 5] =
+    ["slit-room", "door-ajar", "pool", "schoedl-2007-small-bulb", "schoedl-2007-glass-bulb"];
+
 fn path_traced(json: &Value, samples_per_pixel: u64) -> Film {
-    let scene = scene(json);
+    rendered(&scene(json), Integrator::Path, samples_per_pixel)
+}
+
+fn rendered(scene: &Scene, integrator: Integrator, samples_per_pixel: u64) -> Film {
     let view = scene.view().expect("a camera");
-    let plan = Plan::of(&scene, &view.sensor, Integrator::Path.strategies());
+    let plan = Plan::of(scene, &view.sensor, integrator.strategies());
     let budget = Budget { samples_per_pixel, time: None, seed: 1 };
-    render(&scene, view, &plan, &budget, &Silent).film
+    render(scene, view, &plan, &budget, &Silent).film
 }
 
 /// Everywhere inside a shining ball the luminance is what it gives off over one minus its
@@ -43,6 +51,24 @@ fn path_tracing_converges_on_every_scene() {
         assert!(error < 0.3, "{name}: relative error {error}");
         let view = scene(&json).view.expect("a camera");
         let level = mean_luminance(&film) / view.facts().white_luminance_cd_m2;
+        assert!((0.05..1.5).contains(&level), "{name}: {level} of white");
+    }
+}
+
+/// No light of a hard scene is out of bidirectional path tracing's reach, and the exposure shows it.
+#[test]
+fn hard_scenes_are_within_reach_and_well_exposed() {
+    for name in HARD {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference").join(name);
+        let text = std::fs::read_to_string(folder.join("scene.json")).expect("the scene is there");
+        let mut json: Value = serde_json::from_str(&text).expect("JSON");
+        json["camera"]["resolution"] = json!([16, 16]);
+        let scene = Scene::from_text(&json.to_string(), &folder).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let missing = unreachable(&scene, &Integrator::Bdpt.strategies());
+        assert!(missing.is_empty(), "{name}: {missing:?}");
+        let film = rendered(&scene, Integrator::Bdpt, 256);
+        assert_eq!(film.non_finite_samples, 0, "{name}");
+        let level = mean_luminance(&film) / scene.view().expect("a camera").facts().white_luminance_cd_m2;
         assert!((0.05..1.5).contains(&level), "{name}: {level} of white");
     }
 }

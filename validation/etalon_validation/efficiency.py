@@ -1,4 +1,4 @@
-"""Error against processor time: one integrator against another on one scene."""
+"""Error against processor time: one integrator against another on one scene, by a reference."""
 
 import resource
 import subprocess
@@ -17,6 +17,8 @@ FLOOR_SHARE = 0.01
 TRIMMED_SHARE = 0.001
 # Seed of the first repeat; the next ones follow. The reference is rendered with another.
 FIRST_SEED = 1
+# Samples per pixel that an integrator gets however slow it is.
+FEWEST_SAMPLES = 4
 
 
 @dataclass(frozen=True)
@@ -30,17 +32,30 @@ class Run:
 
 def relative_mse(image, reference):
     """Mean of (I - R)^2 / (R^2 + (1 % of the mean)^2), and the same without its largest terms."""
-    floor = (FLOOR_SHARE * reference.mean()) ** 2
-    terms = np.sort(((image - reference) ** 2 / (reference**2 + floor)).ravel())
+    return plain_and_trimmed((image - reference) ** 2 / (reference**2 + floor_of(reference)))
+
+
+def floor_of(reference):
+    """What is added to the square of a pixel's luminance before errors are divided by it."""
+    return (FLOOR_SHARE * reference.mean()) ** 2
+
+
+def plain_and_trimmed(terms):
+    """Mean of the pixels' terms, and the same without the largest."""
+    terms = np.sort(terms.ravel())
     kept = terms.size - max(1, round(TRIMMED_SHARE * terms.size))
     return float(terms.mean()), float(terms[:kept].mean())
 
 
 def timed_render(program, scene, integrator, spp, seed, resolution, folder):
-    """Luminance of a render, and the processor seconds that it took, load included."""
+    """Luminance of a render, and the processor seconds that it took, load included.
+
+    Without a resolution the scene's own is used.
+    """
     output = Path(folder) / "run.exr"
     command = [program, "render", scene, "-o", output, "--integrator", integrator, "--spp", spp, "--seed", seed]
-    command += ["--resolution", resolution]
+    if resolution:
+        command += ["--resolution", resolution]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -48,6 +63,15 @@ def timed_render(program, scene, integrator, spp, seed, resolution, folder):
         raise InputError(scene, done.stderr.strip() or "cannot be rendered", "render it by hand to see why")
     cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return read_render(output).xyz[..., 1], cpu_s
+
+
+def samples_at_equal_time(render, integrators, spp):
+    """Samples per pixel that take as long as `spp` of the first integrator, by a first run of each."""
+    first = render(integrators[0], spp, FIRST_SEED)[1]
+    samples = {integrators[0]: spp}
+    for integrator in integrators[1:]:
+        samples[integrator] = max(FEWEST_SAMPLES, round(spp * first / render(integrator, spp, FIRST_SEED)[1]))
+    return samples
 
 
 def compare(program, scene, reference_file, integrators, spp, repeats):
@@ -59,15 +83,12 @@ def compare(program, scene, reference_file, integrators, spp, repeats):
     luminance = reference.xyz[..., 1]
     resolution = "{}x{}".format(*reference.size)
     runs = {integrator: [] for integrator in integrators}
-    samples = {integrators[0]: spp}
     with tempfile.TemporaryDirectory() as folder:
 
         def render(integrator, count, seed):
             return timed_render(program, scene, integrator, count, seed, resolution, folder)
 
-        first = render(integrators[0], spp, FIRST_SEED)[1]
-        for integrator in integrators[1:]:
-            samples[integrator] = max(4, round(spp * first / render(integrator, spp, FIRST_SEED)[1]))
+        samples = samples_at_equal_time(render, integrators, spp)
         for repeat in range(repeats):
             for integrator in integrators:
                 image, cpu_s = render(integrator, samples[integrator], FIRST_SEED + repeat)
