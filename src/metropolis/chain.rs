@@ -76,6 +76,17 @@ impl<'w, 'a> Chain<'w, 'a> {
         self.leave(splats);
     }
 
+    /// Goes on without a picture; each path that the chain stands at is handed to `each`.
+    pub fn explore(&mut self, mutations: u64, mut each: impl FnMut(&Path)) {
+        let mut splats = Splats::default();
+        for _ in 0..mutations {
+            self.step(&mut splats);
+            each(&self.state);
+            splats.pixels.clear();
+            splats.values.clear();
+        }
+    }
+
     fn step(&mut self, splats: &mut Splats) {
         let mutation = self.choose();
         let proposed = self.mutator.propose(mutation, &self.state, &mut self.proposal, &mut self.numbers);
@@ -110,7 +121,7 @@ impl<'w, 'a> Chain<'w, 'a> {
     }
 
     fn choose(&mut self) -> Mutation {
-        if self.numbers.fine() < FRESH || std::env::var("FRESHONLY").is_ok() {
+        if self.numbers.fine() < FRESH {
             return Mutation::Fresh;
         }
         let weights = Mutation::ALL.iter().map(|mutation| offered(*mutation, &self.state));
@@ -129,9 +140,7 @@ impl<'w, 'a> Chain<'w, 'a> {
 
 /// Weight of a mutation at a path.
 fn offered(mutation: Mutation, path: &Path) -> f64 {
-    static MASK: std::sync::OnceLock<u64> = std::sync::OnceLock::new();
-    let mask = *MASK.get_or_init(|| std::env::var("MASK").ok().and_then(|m| m.parse().ok()).unwrap_or(255));
-    let weight = if mask >> (mutation as u64) & 1 == 1 { weight(mutation) } else { 0.0 };
+    let weight = weight(mutation);
     if weight > 0.0 && mutation.applies(path) { weight } else { 0.0 }
 }
 

@@ -29,8 +29,11 @@ pub const FEWEST: usize = 2;
 const LONGEST: usize = 24;
 /// Probability that a path goes on by a vertex while nothing is known.
 const UNKNOWN_RATIO: f64 = 0.7;
+/// Weight of meeting a light by chance beside that of every other strategy while nothing is
+/// known: for light seen over mirrors that comes over mirrors it is the only one.
+const MEETING_WEIGHT: f64 = 3.0;
 /// Share of the probability that stays as it was while nothing was known.
-const UNKNOWN_SHARE: f64 = 0.1;
+const UNKNOWN_SHARE: f64 = 0.2;
 
 impl Lengths {
     /// The distribution while nothing is known of the scene.
@@ -42,7 +45,9 @@ impl Lengths {
                 let here = if planned.is_empty() { 0.0 } else { left * (1.0 - UNKNOWN_RATIO) };
                 left -= here;
                 let mut row = vec![0.0; vertices + 1];
-                planned.iter().for_each(|s| row[*s] = here / planned.len() as f64);
+                let weight = |s: usize| if s == 0 { MEETING_WEIGHT } else { 1.0 };
+                let all: f64 = planned.iter().map(|s| weight(*s)).sum();
+                planned.iter().for_each(|s| row[*s] = here * weight(*s) / all);
                 row
             })
             .collect();
@@ -115,10 +120,12 @@ fn planned(strategies: &Strategies, vertices: usize) -> Vec<usize> {
 }
 
 /// Whether a strategy for paths of so many counted vertices is of use. Light that reaches what
-/// the eye is joined to comes over mirrors wherever it is not direct.
+/// the eye is joined to comes over mirrors wherever it is not direct, and what asks a light at
+/// the first vertex is direct.
 const fn is_planned(strategies: &Strategies, vertices: usize, s: usize) -> bool {
     match (vertices, s) {
         (2, _) => s == 2 && strategies.meets_eye,
+        (3, 1) => false,
         (3, 2) => strategies.asks_eye,
         _ => strategies.plans(s, vertices - s),
     }

@@ -24,7 +24,10 @@ mod report;
 mod start;
 mod world;
 
-pub use mutation::Mutation;
+pub use mutation::{Mutation, Mutator, Place};
 pub use normalisation::Estimates;
+pub use numbers::{Numbers, Steps};
+pub use path::{Node, Path};
 pub use render::{Outcome, render};
 pub use report::{MutationRow, Report};
+pub use world::World;

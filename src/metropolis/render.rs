@@ -5,7 +5,7 @@ use super::mutation::Place;
 use super::normalisation::Estimates;
 use super::numbers::Numbers;
 use super::report::{Convergence, Counts, Report};
-use super::start::{Found, Use};
+use super::start::{ENOUGH_FOUND, Found, Use};
 use super::world::World;
 use crate::camera::Film;
 use crate::integrator::{Budget, DirectLight, InOrder, Progress, Rendering};
@@ -23,17 +23,15 @@ const BLOCKS: u64 = 16;
 const GROWTH: u64 = 8;
 /// Mutations that a chain takes between two looks at the film.
 const STRETCH: u64 = 1 << 15;
-/// Fresh paths that are spent on learning, in two rounds: this share of the mutations of a
-/// run, and at least and at most so many.
-const LEARNING_SHARE: u64 = 32;
-const LEARNING: [u64; 2] = [1 << 12, 1 << 16];
+/// Rounds of learning how long fresh paths are to be; fresh paths of each, and half as many
+/// mutations: this share of the mutations of a run, at least and at most so many.
+const LEARNING_ROUNDS: u64 = 2;
+const LEARNING_SHARE: u64 = 16;
+const LEARNING: [u64; 2] = [1 << 12, 1 << 22];
 /// Fresh paths in search of starts: this share of a block's mutations, at least and at most.
 const SEARCH_SHARE: u64 = 8;
+const FIRST_SEARCH: u64 = 1 << 10;
 const SEARCH: [u64; 2] = [1 << 10, 1 << 18];
-/// Paths found that a block needs to choose its starts from.
-const ENOUGH_FOUND: usize = 2 * CHAINS;
-/// Fresh paths after which a scene in which nothing was found is given up.
-const MOST_SEARCHED: u64 = 1 << 22;
 /// Mutations per sample of direct light, where there is some and where none was seen.
 const PER_DIRECT: [u64; 2] = [2, 16];
 
@@ -81,23 +79,29 @@ pub fn render(
     let started = Instant::now();
     let mut world = World::new(scene, view, plan);
     let pixels = u64::from(world.resolution[0]) * u64::from(world.resolution[1]);
-    let learning = (budget.samples_per_pixel.saturating_mul(pixels) / LEARNING_SHARE).clamp(LEARNING[0], LEARNING[1]);
-    for round in 0..2 {
-        world.learn(budget.seed, round, learning / 2);
+    let mutations = budget.samples_per_pixel.saturating_mul(pixels);
+    let learning = (mutations / LEARNING_SHARE).clamp(LEARNING[0], LEARNING[1]);
+    for round in 0..LEARNING_ROUNDS {
+        let seed = mix(budget.seed ^ mix(Use::Pilot as u64 + (round << 8)));
+        let (found, _) = world.find(seed, learning);
+        if !found.is_empty() {
+            let starts = world.starts(&found, CHAINS, &mut Numbers::of(&[seed]));
+            world.learn(seed, starts, learning / 2 / CHAINS as u64);
+        }
     }
     let direct = DirectLight::new(scene, view, mix(budget.seed ^ mix(Use::Direct as u64)));
+    let (found, searched) = world.find(budget.seed, FIRST_SEARCH);
     let mut run = Run {
         world: &world,
         seed: budget.seed,
         film: Film::new(world.resolution, view.sensor.channels.len(), true),
         per_direct: PER_DIRECT[usize::from(!direct.is_seen())],
         direct,
-        found: Vec::new(),
+        found,
         counts: Counts::default(),
         estimates: Estimates::default(),
         convergence: Convergence::default(),
     };
-    let searched = run.find_first();
     let mut block = 0;
     while run.film.samples_per_pixel() < budget.samples_per_pixel {
         let late = budget.time.is_some_and(|limit| started.elapsed() >= limit);
@@ -133,24 +137,6 @@ fn block_size(budget: &Budget, taken: u64, block: u64) -> u64 {
 }
 
 impl Run<'_, '_> {
-    /// Looks for light until there is enough to start from, or none is to be expected. What
-    /// this search finds is not counted: it ends when it finds something. The number of paths
-    /// comes back.
-    fn find_first(&mut self) -> u64 {
-        if self.world.scene.lights.is_empty() {
-            return 0;
-        }
-        let mut searched = 0;
-        let mut count = SEARCH[0];
-        while self.found.len() < ENOUGH_FOUND && searched < MOST_SEARCHED {
-            let (found, _) = self.world.search(self.seed, u64::MAX - searched, count);
-            self.found.extend(found);
-            searched += count;
-            count = searched;
-        }
-        searched
-    }
-
     /// One block: chains of their own, from starts of their own.
     fn chains(&mut self, block: u64, samples_per_pixel: u64, report_share: &(dyn Fn(f64) + Sync)) {
         if self.found.is_empty() {

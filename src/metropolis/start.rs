@@ -3,16 +3,23 @@
 //! Chains that set out from paths drawn in proportion to what they count are in equilibrium
 //! from the start (Veach 1997, section 11.3.1).
 
+use super::chain::Chain;
+use super::lengths::Lengths;
 use super::mutation::{Mutator, Place};
 use super::normalisation::Estimates;
 use super::numbers::Numbers;
 use super::path::{Path, ln_sum};
 use super::world::World;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Fresh paths of one piece of parallel work.
 const PIECE: u64 = 512;
+
+/// Paths found that are enough to choose starts from.
+pub const ENOUGH_FOUND: usize = 64;
+/// Fresh paths after which a scene in which nothing was found is given up.
+const MOST_SEARCHED: u64 = 1 << 22;
 
 /// Names of the uses of random numbers within a run.
 #[derive(Clone, Copy)]
@@ -27,6 +34,8 @@ pub enum Use {
     Pick = 4,
     /// Direct light.
     Direct = 5,
+    /// Chains that learn.
+    PilotChain = 6,
 }
 
 /// A fresh path that carries light, by what makes it again.
@@ -34,6 +43,37 @@ pub enum Use {
 pub struct Found {
     names: [u64; 4],
     ln_estimate: f64,
+}
+
+/// What one path of each strategy counts, squared, on average over paths: by counted vertices
+/// and those from the light.
+#[derive(Default)]
+struct Moments(BTreeMap<(usize, usize), f64>);
+
+impl Moments {
+    /// Adds a path that was drawn in proportion to its target.
+    ///
+    /// Strategies share paths by the power heuristic here: what each is good for by itself.
+    fn add(&mut self, path: &Path) {
+        let squares = || (0..=path.count()).map(|s| 2.0 * path.ln_strategy(s));
+        let all = ln_sum(squares());
+        for (s, square) in squares().enumerate().filter(|(_, square)| square.is_finite()) {
+            let ln = path.ln_target + 2.0 * (square - all) - 0.5 * square;
+            *self.0.entry(path.counted(s)).or_default() += ln.exp();
+        }
+    }
+
+    fn together(all: Vec<Self>) -> Self {
+        let mut sum = Self::default();
+        for (lengths, moment) in all.into_iter().flat_map(|moments| moments.0) {
+            *sum.0.entry(lengths).or_default() += moment;
+        }
+        sum
+    }
+
+    fn lengths(&self, before: &Lengths) -> Lengths {
+        before.learned(|n, s| self.0.get(&(n, s)).copied().unwrap_or(0.0))
+    }
 }
 
 impl World<'_> {
@@ -71,27 +111,40 @@ impl World<'_> {
         (all, together)
     }
 
-    /// Learns from `count` paths, which are then forgotten, how long fresh paths should be.
-    pub fn learn(&mut self, seed: u64, round: u64, count: u64) {
-        let each = |path: &Path, _| {
-            let n = path.count();
-            // Shares by the power heuristic: what each strategy is good for by itself.
-            let squares: Vec<f64> = (0..=n).map(|s| 2.0 * path.ln_strategy(s)).collect();
-            let all = ln_sum(squares.iter().copied());
-            let moment = |s: usize| {
-                let ln_share = squares[s] - all;
-                let ln = 2.0 * path.ln_estimate() + 2.0 * ln_share + path.ln_fresh - 0.5 * squares[s];
-                ln.exp()
-            };
-            let planned = (0..=n).filter(|s| squares[*s].is_finite());
-            planned.map(|s| (path.counted(s), moment(s))).collect::<Vec<_>>()
+    /// Learns from chains, which are then forgotten, how long fresh paths should be: chains
+    /// know light that fresh paths hardly find.
+    pub fn learn(&mut self, seed: u64, starts: Vec<Path>, mutations: u64) {
+        let each = |(index, start): (usize, Path)| {
+            let names = [seed, Use::PilotChain as u64, index as u64];
+            let place = Place { key: seed, chain: 0, bits: 0, drawn: 0 };
+            let mut chain = Chain::new(self, place, start, Numbers::of(&names));
+            let mut moments = Moments::default();
+            // A chain is at a path in proportion to its target.
+            chain.explore(mutations, |path| moments.add(path));
+            moments
         };
-        let (found, _) = self.fresh_paths([seed, Use::Pilot as u64, round], count, each);
-        let mut moments: HashMap<(usize, usize), f64> = HashMap::new();
-        for (lengths, moment) in found.into_iter().flatten() {
-            *moments.entry(lengths).or_default() += moment;
+        let found: Vec<Moments> = starts.into_par_iter().enumerate().map(each).collect();
+        self.lengths = Moments::together(found).lengths(&self.lengths);
+    }
+
+    /// Looks for paths that carry light until there are enough to start from, or none is to be
+    /// expected. What this search finds tells nothing of the level: it ends when it finds
+    /// something. It looks at `first` paths, and then always at as many as before. With the
+    /// paths comes how many were looked at.
+    pub fn find(&self, seed: u64, first: u64) -> (Vec<Found>, u64) {
+        let mut all = Vec::new();
+        if self.scene.lights.is_empty() {
+            return (all, 0);
         }
-        self.lengths = self.lengths.learned(|n, s| moments.get(&(n, s)).copied().unwrap_or(0.0));
+        let mut searched = 0;
+        let mut count = first;
+        while all.len() < ENOUGH_FOUND && searched < MOST_SEARCHED {
+            let (found, _) = self.search(seed, u64::MAX - searched, count);
+            all.extend(found);
+            searched += count;
+            count = searched;
+        }
+        (all, searched)
     }
 
     /// Looks for paths that carry light among `count` fresh ones.

@@ -107,6 +107,24 @@ impl Surface {
 }
 
 impl Vertex {
+    /// A vertex by itself: in no subpath, so that nothing has been multiplied up.
+    pub const fn at(point: SurfacePoint, kind: Kind, media: Media) -> Self {
+        Self {
+            point,
+            kind,
+            to_previous: Vec3A::ZERO,
+            throughput: Spectrum::ONE,
+            lanes: Spectrum::ONE,
+            survival: 1.0,
+            forward: AreaPdf::ZERO,
+            reverse: AreaPdf::ZERO,
+            per_area_of_previous: 0.0,
+            given_away: f64::NAN,
+            media,
+            is_delta: false,
+        }
+    }
+
     /// The surface, unless the vertex is an end.
     #[inline]
     pub const fn surface(&self) -> Option<&Surface> {

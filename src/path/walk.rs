@@ -240,20 +240,7 @@ impl<'a> Walker<'a, '_> {
 
 /// The vertex at an end.
 fn end(kind: Kind, point: SurfacePoint, forward: AreaPdf, is_delta: bool, media: Media) -> Vertex {
-    Vertex {
-        point,
-        kind,
-        to_previous: Vec3A::ZERO,
-        throughput: Spectrum::ONE,
-        lanes: Spectrum::ONE,
-        survival: 1.0,
-        forward,
-        reverse: AreaPdf::ZERO,
-        per_area_of_previous: 0.0,
-        given_away: f64::NAN,
-        media,
-        is_delta,
-    }
+    Vertex { forward, is_delta, ..Vertex::at(point, kind, media) }
 }
 
 /// Beer-Lambert over a distance in scene units.

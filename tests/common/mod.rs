@@ -1,6 +1,7 @@
 //! What the tests share: scenes from text, readings, and the judgement of a statistical one.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub mod rooms;
 pub mod scenes;
 
 use etalon::camera::Sensor;

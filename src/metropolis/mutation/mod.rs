@@ -116,7 +116,7 @@ pub struct Place {
 /// How far directions turn, in radians.
 const TURNS: Steps = Steps { smallest: 1e-5, largest: 0.1 };
 /// How far primary numbers and the number of the wavelengths move.
-const PRIMARY_STEPS: Steps = Steps { smallest: 1.0 / 1024.0, largest: 1.0 / 16.0 };
+const PRIMARY_STEPS: Steps = Steps { smallest: 1.0 / 16_384.0, largest: 1.0 / 16.0 };
 /// Smallest move in the picture, in pixels, and largest as a share of its diagonal.
 const SMALLEST_MOVE_PX: f64 = 0.1;
 const LARGEST_MOVE: f64 = 0.05;

@@ -5,9 +5,9 @@
 //! that it makes this path from are found by inverting the samplers (Otsu et al. 2017;
 //! Bitterli et al. 2018), move a little, and make the new path. With i the strategy, drawn
 //! with its share w_i, path and numbers have the density f w_i |dx/du|, and with balanced
-//! shares that is the target over the density of a fresh path, whatever the strategy. Choices
-//! among few things (which light, reflection or transmission) are kept, so their
-//! probabilities, unlike densities, stay in the ratio.
+//! shares that is the target over the density of a fresh path, times the probability of
+//! drawing the strategy. Choices among few things (which light, reflection or transmission) are
+//! kept, so their probabilities, unlike densities, stay in the ratio.
 
 use super::{Mutator, PRIMARY_STEPS};
 use crate::material::Quantity;
@@ -165,7 +165,9 @@ impl Mutator<'_, '_> {
             }
             _ => 0.0,
         };
-        by_eye + by_light + lit
+        // Another number of mirrors is another strategy among fresh paths.
+        let (all, from_light) = path.counted(s);
+        by_eye + by_light + lit + self.world.lengths.probability(all, from_light).ln()
     }
 }
 
