@@ -30,7 +30,6 @@ const LEARNING_SHARE: u64 = 16;
 const LEARNING: [u64; 2] = [1 << 12, 1 << 22];
 /// Fresh paths in search of starts: this share of a block's mutations, at least and at most.
 const SEARCH_SHARE: u64 = 8;
-const FIRST_SEARCH: u64 = 1 << 10;
 const SEARCH: [u64; 2] = [1 << 10, 1 << 18];
 /// Mutations per sample of direct light, where there is some and where none was seen.
 const PER_DIRECT: [u64; 2] = [2, 16];
@@ -63,6 +62,8 @@ struct Run<'w, 'a> {
     direct: DirectLight<'a>,
     per_direct: u64,
     found: Vec<Found>,
+    /// Fresh paths among which there was none for chains to start from.
+    found_none_in: Option<u64>,
     counts: Counts,
     estimates: Estimates,
     convergence: Convergence,
@@ -81,23 +82,26 @@ pub fn render(
     let pixels = u64::from(world.resolution[0]) * u64::from(world.resolution[1]);
     let mutations = budget.samples_per_pixel.saturating_mul(pixels);
     let learning = (mutations / LEARNING_SHARE).clamp(LEARNING[0], LEARNING[1]);
+    let mut found_none_in = None;
     for round in 0..LEARNING_ROUNDS {
         let seed = mix(budget.seed ^ mix(Use::Pilot as u64 + (round << 8)));
-        let (found, _) = world.find(seed, learning);
-        if !found.is_empty() {
-            let starts = world.starts(&found, CHAINS, &mut Numbers::of(&[seed]));
-            world.learn(seed, starts, learning / 2 / CHAINS as u64);
+        let (found, searched) = world.find(seed, learning);
+        if found.is_empty() {
+            found_none_in = Some(searched);
+            break;
         }
+        let starts = world.starts(&found, CHAINS, &mut Numbers::of(&[seed]));
+        world.learn(seed, starts, learning / 2 / CHAINS as u64);
     }
     let direct = DirectLight::new(scene, view, mix(budget.seed ^ mix(Use::Direct as u64)));
-    let (found, searched) = world.find(budget.seed, FIRST_SEARCH);
     let mut run = Run {
         world: &world,
         seed: budget.seed,
         film: Film::new(world.resolution, view.sensor.channels.len(), true),
         per_direct: PER_DIRECT[usize::from(!direct.is_seen())],
         direct,
-        found,
+        found: Vec::new(),
+        found_none_in,
         counts: Counts::default(),
         estimates: Estimates::default(),
         convergence: Convergence::default(),
@@ -119,8 +123,8 @@ pub fn render(
     }
     let film = run.picture();
     let direct_light = (0..film.pixels()).any(|pixel| run.direct.film().mean(pixel, 1) > 0.0);
-    let report = (!run.found.is_empty()).then(|| Report::of(&run.counts, &run.estimates, &run.convergence));
-    let found_none_in = (run.found.is_empty() && !scene.lights.is_empty()).then_some(searched);
+    let report = run.found_none_in.is_none().then(|| Report::of(&run.counts, &run.estimates, &run.convergence));
+    let found_none_in = run.found_none_in.filter(|_| !scene.lights.is_empty());
     let outcome = Outcome { report, found_none_in, direct_light };
     Rendering { film, elapsed: started.elapsed(), metropolis: Some(outcome) }
 }
@@ -139,10 +143,11 @@ fn block_size(budget: &Budget, taken: u64, block: u64) -> u64 {
 impl Run<'_, '_> {
     /// One block: chains of their own, from starts of their own.
     fn chains(&mut self, block: u64, samples_per_pixel: u64, report_share: &(dyn Fn(f64) + Sync)) {
-        if self.found.is_empty() {
+        if self.found_none_in.is_some() {
             return;
         }
         let world = self.world;
+        let key = mix(self.seed ^ mix(block ^ mix(Use::Chain as u64)));
         let mutations = samples_per_pixel * self.film.pixels() as u64;
         let search = (mutations / SEARCH_SHARE).clamp(SEARCH[0], SEARCH[1]);
         let (found, estimates) = world.search(self.seed, block, search);
@@ -150,10 +155,17 @@ impl Run<'_, '_> {
         let enough = found.len() >= ENOUGH_FOUND;
         if !enough {
             self.found.extend(&found);
+            if self.found.len() < ENOUGH_FOUND {
+                let (found, searched) = world.find(key, search);
+                self.found.extend(found);
+                if self.found.is_empty() {
+                    self.found_none_in = Some(searched);
+                    return;
+                }
+            }
         }
         let from = if enough { &found } else { &self.found };
         let starts = world.starts(from, CHAINS, &mut Numbers::of(&[self.seed, Use::Pick as u64, block]));
-        let key = mix(self.seed ^ mix(block ^ mix(Use::Chain as u64)));
         let mut chains: Vec<Chain<'_, '_>> = (0..)
             .zip(starts)
             .map(|(chain, start)| {

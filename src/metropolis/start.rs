@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 const PIECE: u64 = 512;
 
 /// Paths found that are enough to choose starts from.
-pub const ENOUGH_FOUND: usize = 64;
+pub const ENOUGH_FOUND: usize = 32;
 /// Fresh paths after which a scene in which nothing was found is given up.
 const MOST_SEARCHED: u64 = 1 << 22;
 
