@@ -459,6 +459,80 @@ fn light_that_cannot_be_found_is_named_and_strict_refuses_it() {
     render(&scene, &folder, "--spp 1 --integrator bdpt --strict");
 }
 
+/// A lamp in a closed box, and a camera outside.
+fn lamp_in_a_box(folder: &Path, reflectance: f64) -> PathBuf {
+    let scene = serde_json::json!({
+        "name": "box", "length_unit": "m",
+        "materials": { "card": { "lambertian": { "reflectance": reflectance } } },
+        "objects": [
+            { "shape": { "box": { "min": [-1, -1, 0], "max": [1, 1, 2] } }, "material": "card" },
+            { "shape": { "disk": { "center": [0, -1.5, 0], "normal": [0, 1, 0], "radius": 3 } }, "material": "card" }
+        ],
+        "lights": [{ "point": { "position": [0, 0, 1],
+            "emission": { "spectrum": "d65", "level": { "flux_lm": 500 } } } }],
+        "camera": { "position": [0, 0, -2], "look_at": [0, 0, 0], "up": [0, 1, 0], "focal_length_mm": 30,
+            "sensor_mm": [24, 24], "resolution": [8, 8], "f_stop": 2, "shutter_s": 0.01, "iso": 100 }
+    });
+    let file = folder.join("box.json");
+    std::fs::write(&file, scene.to_string()).expect("written");
+    file
+}
+
+/// Where chains find no light at all there is no picture, and the message says how rare light
+/// may still be.
+#[test]
+fn no_light_found_is_no_black_picture() {
+    let folder = folder("nothing");
+    let scene = lamp_in_a_box(&folder, 0.5);
+    let output = folder.join("out.exr");
+    let fixed = ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), output.as_os_str()];
+    let run = etalon(fixed.into_iter().chain(["--spp", "1", "--integrator", "mlt"].map(AsRef::as_ref)));
+    assert_eq!(run.status.code(), Some(4), "{}", text(&run.stderr));
+    let message = text(&run.stderr);
+    assert!(message.contains("found none in 4194304 paths; hit probability below 7.2e-7 at 95 %"), "{message}");
+    assert!(message.lines().count() == 1 && !output.exists(), "{message}");
+}
+
+/// The report of a run with chains: the level with its interval, and every mutation.
+#[test]
+fn chains_report_on_themselves() {
+    let folder = folder("chains");
+    let scene = root().join("reference/schoedl-2007-glass-bulb/scene.json");
+    let report = folder.join("report.json");
+    let options = format!("--spp 32 --resolution 32x32 --integrator mlt --report {}", report.display());
+    let output = folder.join("out.exr");
+    let fixed = ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), output.as_os_str()];
+    let printed = succeed(fixed.into_iter().chain(options.split(' ').map(AsRef::as_ref)));
+    let facts: Value = serde_json::from_str(&std::fs::read_to_string(&report).expect("written")).expect("JSON");
+    let told = &facts["metropolis"]["report"];
+    assert_eq!(told, &Picture::read(&output).facts()["metropolis"]["report"], "the EXR says the same");
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{told:#}"));
+    let (b, ci) = (number(&told["normalisation"]), &told["normalisation_ci95"]);
+    assert!(number(&ci[0]) < b && b < number(&ci[1]) && b > 0.0, "{told:#}");
+    assert!(number(&told["chains"]) >= 16.0 && number(&told["scale_reduction"]) > 0.9, "{told:#}");
+    assert!(number(&told["longest_rejection"]) >= 1.0, "{told:#}");
+    let rows = told["mutation_table"].as_array().expect("rows");
+    assert_eq!(rows.len(), 8);
+    for row in rows {
+        let name = row["mutation"].as_str().expect("a name");
+        assert!(printed.contains(name) && number(&row["accepted"]) > 0.0, "{name}: {row}");
+    }
+    let contribution: f64 = rows.iter().map(|row| number(&row["contribution"])).sum();
+    assert!((contribution - 1.0).abs() < 1e-9, "{contribution}");
+}
+
+#[test]
+fn chains_make_pictures_only() {
+    let folder = folder("chains-only");
+    let scene = lamp_in_a_box(&folder, 0.5);
+    let scene = scene.to_str().expect("UTF-8");
+    let output = folder.join("out.exr");
+    let shown = ["--integrator", "mlt", "--strategies", "shown"];
+    let words = ["render", scene, "-o", output.to_str().expect("UTF-8")];
+    let message = fail_in_one_line(words.into_iter().chain(shown));
+    assert!(message.contains("--integrator bdpt"), "{message}");
+}
+
 /// The pictures of all strategies add up to the picture, paths beyond the longest shown aside.
 #[test]
 fn strategies_are_shown_one_by_one_and_add_up() {
