@@ -489,7 +489,10 @@ fn no_light_found_is_no_black_picture() {
     let run = etalon(fixed.into_iter().chain(["--spp", "1", "--integrator", "mlt"].map(AsRef::as_ref)));
     assert_eq!(run.status.code(), Some(4), "{}", text(&run.stderr));
     let message = text(&run.stderr);
-    assert!(message.contains("found none in 4194304 paths; hit probability below 7.2e-7 at 95 %"), "{message}");
+    assert!(
+        message.contains("found none in 4194304 paths; hit probability below 7.2e-7 at 95 %"),
+        "{message}"
+    );
     assert!(message.lines().count() == 1 && !output.exists(), "{message}");
 }
 
@@ -503,7 +506,8 @@ fn chains_report_on_themselves() {
     let output = folder.join("out.exr");
     let fixed = ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), output.as_os_str()];
     let printed = succeed(fixed.into_iter().chain(options.split(' ').map(AsRef::as_ref)));
-    let facts: Value = serde_json::from_str(&std::fs::read_to_string(&report).expect("written")).expect("JSON");
+    let facts: Value =
+        serde_json::from_str(&std::fs::read_to_string(&report).expect("written")).expect("JSON");
     let told = &facts["metropolis"]["report"];
     assert_eq!(told, &Picture::read(&output).facts()["metropolis"]["report"], "the EXR says the same");
     let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{told:#}"));

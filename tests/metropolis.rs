@@ -54,11 +54,20 @@ fn assert_agree(json: &Value, mlt_spp: u64, bdpt_spp: u64, path_spp: u64) {
         let z = (a - b) / (var_a + var_b).sqrt();
         let off = a / b - 1.0;
         let sigma = (var_a + var_b).sqrt() / b;
-        println!("{name}, mlt against {}: {:+.3} % +- {:.3} %, z = {z:+.2}", other.name(), 100.0 * off, 100.0 * sigma);
+        println!(
+            "{name}, mlt against {}: {:+.3} % +- {:.3} %, z = {z:+.2}",
+            other.name(),
+            100.0 * off,
+            100.0 * sigma
+        );
         let agreement = Agreement::of(&mlt, &others, width, height, MARGIN);
         println!("{agreement}");
         assert!(z.abs() < MOST_SIGMAS, "{name}, mlt against {}: z = {z}", other.name());
-        assert!(!matches!(agreement.verdict, Verdict::Different), "{name}, mlt against {}: {agreement}", other.name());
+        assert!(
+            !matches!(agreement.verdict, Verdict::Different),
+            "{name}, mlt against {}: {agreement}",
+            other.name()
+        );
     }
 }
 
@@ -132,7 +141,8 @@ fn the_interval_of_the_normalisation_holds_the_truth() {
     let paths: u64 = others.iter().map(|run| run.fresh_paths).sum();
     let found: u64 = others.iter().map(|run| run.fresh_paths_found).sum();
     let hits = found as f64 / paths as f64;
-    let truth = others.iter().map(|run| run.normalisation * run.fresh_paths as f64).sum::<f64>() / paths as f64;
+    let truth =
+        others.iter().map(|run| run.normalisation * run.fresh_paths as f64).sum::<f64>() / paths as f64;
     let judged = runs(0..100, 32);
     let inside = |run: &&Report| (run.normalisation_ci95[0]..run.normalisation_ci95[1]).contains(&truth);
     let held = judged.iter().filter(inside).count();
@@ -148,7 +158,9 @@ fn threads_do_not_change_a_bit() {
     let picture = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         let film = pool.install(|| rendering(&scene, 20, 3)).film;
-        let bits = |pixel: usize| [0, 1, 2].map(|c| (film.mean(pixel, c).to_bits(), film.standard_error(pixel, c).to_bits()));
+        let bits = |pixel: usize| {
+            [0, 1, 2].map(|c| (film.mean(pixel, c).to_bits(), film.standard_error(pixel, c).to_bits()))
+        };
         (0..film.pixels()).map(bits).collect::<Vec<_>>()
     };
     let one = picture(1);
@@ -164,7 +176,8 @@ fn light_at_420_nm_alone_is_seen() {
     let mut json = scenes::light_in_glass();
     for object in json["objects"].as_array_mut().expect("objects") {
         if object["emission"].is_object() {
-            object["emission"]["spectrum"] = json!({ "lines": { "lines": [{ "wavelength_nm": 420.0, "power": 1.0 }] } });
+            object["emission"]["spectrum"] =
+                json!({ "lines": { "lines": [{ "wavelength_nm": 420.0, "power": 1.0 }] } });
         }
     }
     json["name"] = json!("violet");

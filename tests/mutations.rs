@@ -120,7 +120,11 @@ fn mutations_leave_the_distribution_as_it_is() {
                 moved[*mutation as usize] += change.moved;
                 let z = change.sum / change.squares.sqrt();
                 if z.abs() > 3.5 {
-                    println!("{name}, {}: measure {measure}: z = {z:.2} of {}", mutation.name(), change.moved);
+                    println!(
+                        "{name}, {}: measure {measure}: z = {z:.2} of {}",
+                        mutation.name(),
+                        change.moved
+                    );
                 }
                 if z.abs() > SIGMAS {
                     wrong.push(format!("{name}, {}: measure {measure}: z = {z:.2}", mutation.name()));
@@ -183,8 +187,12 @@ fn paths_are_judged_from_their_vertices() {
                 compared.push((path.ln_estimate().exp(), target / ln_fresh.exp()));
             }
             // What the whole path counts is in 32 bits, and dim wavelengths leave their range.
-            for (share, v) in path.channels.iter().zip(&recorded).filter(|(_, v)| (1e-30..1e30).contains(*v)) {
-                assert!((share * target / v - 1.0).abs() < ROUNDING, "{name}: {share} of {target}, whole {v}");
+            for (share, v) in path.channels.iter().zip(&recorded).filter(|(_, v)| (1e-30..1e30).contains(*v))
+            {
+                assert!(
+                    (share * target / v - 1.0).abs() < ROUNDING,
+                    "{name}: {share} of {target}, whole {v}"
+                );
             }
             judged += 1;
         }

@@ -147,7 +147,9 @@ fn missing(plan: &Plan, integrator: Integrator) -> String {
             "give the lamp its real size, or use --integrator bdpt and give the camera a lens (focus_distance)"
         }
         Integrator::Light => "use --integrator bdpt, and give a point light its real size",
-        Integrator::Bdpt | Integrator::Mlt => "give the lamp its real size, or the camera a lens (focus_distance)",
+        Integrator::Bdpt | Integrator::Mlt => {
+            "give the lamp its real size, or the camera a lens (focus_distance)"
+        }
     };
     format!("cannot be found and is missing: {}; {remedy}", classes.join("; "))
 }
@@ -203,7 +205,8 @@ pub fn render_to_files(
         return Err(NothingFound(text).into());
     }
     let Rendering { film, elapsed, metropolis } = rendering;
-    let facts = Facts { metropolis, ..Facts::of(scene, view, &plan, effort.integrator, &budget, &film, elapsed) };
+    let facts =
+        Facts { metropolis, ..Facts::of(scene, view, &plan, effort.integrator, &budget, &film, elapsed) };
     write_exr(exr, &film, &view.sensor, &facts, layers)?;
     if let Some(png) = png {
         write_developed(png, &film, &Development::new(&view.exposure, view.white))?;

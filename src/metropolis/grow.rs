@@ -134,7 +134,12 @@ impl World<'_> {
     }
 
     /// A point of a light that a vertex asks for.
-    pub fn asked_light(&self, from: &SurfacePoint, wavelengths: &Wavelengths, numbers: &mut Numbers) -> Option<Node> {
+    pub fn asked_light(
+        &self,
+        from: &SurfacePoint,
+        wavelengths: &Wavelengths,
+        numbers: &mut Numbers,
+    ) -> Option<Node> {
         let (index, _) = self.scene.lights.choose_towards(from.position, numbers.fine())?;
         let light = self.scene.lights.get(index);
         let sample = light.sample_towards(&self.scene.geometry, from, numbers.pair(), wavelengths)?;

@@ -66,8 +66,7 @@ impl Lengths {
             let root = (second_moment(vertices, s) / vertices as f64).sqrt();
             if is_planned(&self.strategies, vertices, s) && root.is_finite() { root } else { 0.0 }
         };
-        let rows: Vec<Vec<f64>> =
-            (FEWEST..=LONGEST).map(|n| (0..=n).map(|s| root(n, s)).collect()).collect();
+        let rows: Vec<Vec<f64>> = (FEWEST..=LONGEST).map(|n| (0..=n).map(|s| root(n, s)).collect()).collect();
         let sums: Vec<f64> = rows.iter().map(|row| row.iter().sum()).collect();
         let total: f64 = sums.iter().sum();
         if total <= 0.0 {

@@ -1,15 +1,15 @@
 //! Metropolis light transport: chains of paths, each a mutation of the one before, that spend
 //! their time where the light is (Veach and Guibas 1997).
 //!
-//! The state of a chain is a complete path with its wavelengths ([`path`]). Mutations of both
+//! The state of a chain is a complete path with its wavelengths ([`Path`]). Mutations of both
 //! families work on it side by side: those of path space, whose transition probabilities follow
 //! from the vertices, and the multiplexed primary-sample kind, which finds the numbers that a
-//! strategy makes the path from by inverting its samplers ([`mutation`]).
+//! strategy makes the path from by inverting its samplers ([`Mutation`]).
 //!
 //! What is right about the picture does not rest on the chains alone. Its level is the mean of
 //! what independent fresh paths estimate, kept over the whole run with a 95 % interval
-//! ([`normalisation`]); direct light is left to standard sampling; chains start from many
-//! fresh paths in proportion to what these count ([`start`]), run in blocks that share nothing,
+//! ([`Estimates`]); direct light is left to standard sampling; chains start from many
+//! fresh paths in proportion to what these count, run in blocks that share nothing,
 //! and the scatter of the blocks is the error of each pixel.
 
 mod chain;

@@ -192,7 +192,8 @@ mod tests {
             assert!(degrees > 5 && p > LEAST_P, "{name}: p = {p} over {degrees} pairs");
         }
         judge("circle", |n| n.single(), |u, n| STEPS.along_unit(u, n), |u| (u * 16.0) as usize);
-        let plane = |[x, y]: [f64; 2]| ((x * 4.0).rem_euclid(4.0) as usize) * 4 + (y * 4.0).rem_euclid(4.0) as usize;
+        let plane =
+            |[x, y]: [f64; 2]| ((x * 4.0).rem_euclid(4.0) as usize) * 4 + (y * 4.0).rem_euclid(4.0) as usize;
         judge("plane", |n| [n.fine(), n.fine()], |p, n| STEPS.in_plane(p, n), plane);
         let uniform = |n: &mut Numbers| {
             let z = 2.0 * n.fine() - 1.0;

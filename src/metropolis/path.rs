@@ -342,7 +342,8 @@ impl Path {
         let drawn = surface.bsdf.sample(eye, u_lobe, [0.5; 2], Quantity::Radiance)?;
         let back = surface.bsdf.sample(light, u_lobe, [0.5; 2], Quantity::Importance)?;
         let measure = [light, eye].map(|w| f64::from(surface.bsdf.delta_measure(w)));
-        let is_this = |drawn: &crate::material::BsdfSample| drawn.is_delta && drawn.is_transmission == crosses;
+        let is_this =
+            |drawn: &crate::material::BsdfSample| drawn.is_delta && drawn.is_transmission == crosses;
         (is_this(&drawn) && is_this(&back)).then_some(Scattering {
             value: drawn.value,
             to_light: drawn.pdf,
@@ -359,7 +360,9 @@ impl Path {
         let light = world.scene.lights.get(light);
         let share = match light {
             Light::Point(point) => f64::from(point.distribution.towards(self.directions[0])),
-            Light::Area(area) => f64::from(u8::from(area.shines(self.nodes[0].point.normal, self.directions[0]))),
+            Light::Area(area) => {
+                f64::from(u8::from(area.shines(self.nodes[0].point.normal, self.directions[0])))
+            }
         };
         let mut value = light.emission(&self.wavelengths);
         let mut ln = (share * f64::from(world.eye.response()) * sight_pdf * world.eye.pdf_area()).ln();

@@ -115,7 +115,9 @@ pub fn render(
         }
         let taken = run.film.samples_per_pixel();
         let size = block_size(budget, taken, block);
-        run.chains(block, size, &|share| progress.within_block(budget, started, taken as f64 + share * size as f64));
+        run.chains(block, size, &|share| {
+            progress.within_block(budget, started, taken as f64 + share * size as f64)
+        });
         run.direct.block(size.div_ceil(run.per_direct) as u32);
         run.film.finish_block(size as u32);
         block += 1;
@@ -123,7 +125,8 @@ pub fn render(
     }
     let film = run.picture();
     let direct_light = (0..film.pixels()).any(|pixel| run.direct.film().mean(pixel, 1) > 0.0);
-    let report = run.found_none_in.is_none().then(|| Report::of(&run.counts, &run.estimates, &run.convergence));
+    let report =
+        run.found_none_in.is_none().then(|| Report::of(&run.counts, &run.estimates, &run.convergence));
     let found_none_in = run.found_none_in.filter(|_| !scene.lights.is_empty());
     let outcome = Outcome { report, found_none_in, direct_light };
     Rendering { film, elapsed: started.elapsed(), metropolis: Some(outcome) }
@@ -136,7 +139,8 @@ fn block_size(budget: &Budget, taken: u64, block: u64) -> u64 {
     }
     // Of as equal size as whole numbers allow.
     let blocks = BLOCKS.min(budget.samples_per_pixel);
-    let upto = |block: u64| (u128::from(budget.samples_per_pixel) * u128::from(block) / u128::from(blocks)) as u64;
+    let upto =
+        |block: u64| (u128::from(budget.samples_per_pixel) * u128::from(block) / u128::from(blocks)) as u64;
     (upto(block + 1) - upto(block)).min(u64::from(u32::MAX))
 }
 

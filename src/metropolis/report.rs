@@ -234,7 +234,11 @@ impl std::fmt::Display for Report {
         };
         writeln!(f, "{} chains, scale reduction between them {mixing}", self.chains)?;
         writeln!(f, "longest rejection run {} of {} mutations", self.longest_rejection, self.mutations)?;
-        writeln!(f, "{:<16}{:>12}{:>12}{:>12}{:>12}{:>14}", "mutation", "proposed", "complete", "accepted", "acceptance", "contribution")?;
+        writeln!(
+            f,
+            "{:<16}{:>12}{:>12}{:>12}{:>12}{:>14}",
+            "mutation", "proposed", "complete", "accepted", "acceptance", "contribution"
+        )?;
         for row in &self.mutation_table {
             writeln!(
                 f,

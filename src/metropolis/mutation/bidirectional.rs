@@ -65,7 +65,9 @@ impl Mutator<'_, '_> {
         let end = to.count() - cut.from_eye;
         // Any of its splits may have made the stretch.
         let splits = (cut.from_light..=end).map(|s| to.ln_between(cut.from_light, end, s));
-        (this / total).ln() + (probability_of(removed, inserted) / (inserted + 1) as f64).ln() + ln_sum(splits)
+        (this / total).ln()
+            + (probability_of(removed, inserted) / (inserted + 1) as f64).ln()
+            + ln_sum(splits)
     }
 
     /// The stretches of a path that may be cut out, and the weight of each.

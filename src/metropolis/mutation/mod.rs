@@ -132,7 +132,13 @@ impl<'w, 'a> Mutator<'w, 'a> {
 
     /// Proposes a path from another one: the logarithm of the acceptance ratio; `None` where
     /// the proposal is void. The proposed path is judged.
-    pub fn propose(&mut self, mutation: Mutation, x: &Path, y: &mut Path, numbers: &mut Numbers) -> Option<f64> {
+    pub fn propose(
+        &mut self,
+        mutation: Mutation,
+        x: &Path,
+        y: &mut Path,
+        numbers: &mut Numbers,
+    ) -> Option<f64> {
         let ratio = match mutation {
             Mutation::Fresh => self.fresh(y, numbers).map(|()| y.ln_estimate() - x.ln_estimate()),
             Mutation::Bidirectional => self.bidirectional(x, y, numbers),

@@ -27,7 +27,8 @@ impl Mutator<'_, '_> {
         let turns = |at: &usize| x.is_delta(*at) && x.crosses(*at) && index(x, *at) != index(y, *at);
         let last = x.count() - 1;
         let Some(nearest_light) = (1..last).find(turns) else {
-            return y.judge(world).then(|| y.ln_target - x.ln_target);
+            let carries = y.judge(world);
+            return carries.then_some(y.ln_target - x.ln_target);
         };
         let nearest_eye = (1..last).rev().find(turns)?;
         // What the eye's rays lead to begins at the first joint, or takes in the whole path.
