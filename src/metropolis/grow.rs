@@ -1,7 +1,8 @@
 //! New vertices: walks from either end of a path, and the joint between them.
 
+use super::node::Node;
 use super::numbers::Numbers;
-use super::path::{Node, Path};
+use super::path::Path;
 use super::world::World;
 use crate::geometry::{Ray, SurfacePoint};
 use crate::material::Quantity;

@@ -14,8 +14,10 @@
 
 mod chain;
 mod grow;
+mod judge;
 mod lengths;
 mod mutation;
+mod node;
 mod normalisation;
 mod numbers;
 mod path;
@@ -25,9 +27,10 @@ mod start;
 mod world;
 
 pub use mutation::{Mutation, Mutator, Place};
+pub use node::Node;
 pub use normalisation::Estimates;
 pub use numbers::{Numbers, Steps};
-pub use path::{Node, Path};
+pub use path::Path;
 pub use render::{Outcome, render};
 pub use report::{MutationRow, Report};
 pub use world::World;

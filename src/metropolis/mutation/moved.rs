@@ -8,8 +8,9 @@ use super::{Mutator, TURNS};
 use crate::geometry::Ray;
 use crate::material::Quantity;
 use crate::metropolis::grow::lobe_number;
+use crate::metropolis::node::Node;
 use crate::metropolis::numbers::Numbers;
-use crate::metropolis::path::{End, Node, Path};
+use crate::metropolis::path::{End, Path};
 use crate::path::Kind;
 use glam::Vec3A;
 

@@ -12,8 +12,9 @@
 use super::{Mutator, PRIMARY_STEPS};
 use crate::material::Quantity;
 use crate::metropolis::grow::lobe_number;
+use crate::metropolis::node::Node;
 use crate::metropolis::numbers::Numbers;
-use crate::metropolis::path::{End, Node, Path};
+use crate::metropolis::path::{End, Path};
 use crate::path::Kind;
 
 impl Mutator<'_, '_> {
