@@ -82,20 +82,20 @@ macro_rules! agree {
 
 // Samples per pixel and run for mlt, bdpt and path.
 agree! {
-    a_diffuse_room: diffuse, 256, 64, 128;
-    a_glossy_room: glossy, 256, 64, 128;
-    glass: glass, 256, 64, 128;
-    a_dispersive_prism: dispersive_prism, 256, 64, 128;
-    metal_and_mirrors: metal, 256, 64, 128;
-    a_wide_lens: thin_lens, 256, 64, 128;
-    a_tiny_bulb: tiny_bulb, 256, 64, 128;
-    a_large_panel: large_panel, 256, 64, 128;
-    a_point_light: point_light, 256, 64, 128;
-    a_light_in_glass: light_in_glass, 256, 64, 128;
-    a_camera_in_glass: camera_in_glass, 256, 64, 128;
-    a_camera_in_absorbing_glass: camera_in_absorbing_glass, 256, 64, 128;
-    smooth_normals_on_flat_faces: smooth_normals, 256, 64, 128;
-    the_ball: ball, 256, 64, 128;
+    a_diffuse_room: diffuse, 192, 48, 96;
+    a_glossy_room: glossy, 192, 48, 96;
+    glass: glass, 192, 48, 96;
+    a_dispersive_prism: dispersive_prism, 192, 48, 96;
+    metal_and_mirrors: metal, 192, 48, 96;
+    a_wide_lens: thin_lens, 192, 48, 96;
+    a_tiny_bulb: tiny_bulb, 192, 48, 96;
+    a_large_panel: large_panel, 192, 48, 96;
+    a_point_light: point_light, 192, 48, 96;
+    a_light_in_glass: light_in_glass, 192, 48, 96;
+    a_camera_in_glass: camera_in_glass, 192, 48, 96;
+    a_camera_in_absorbing_glass: camera_in_absorbing_glass, 192, 48, 96;
+    smooth_normals_on_flat_faces: smooth_normals, 192, 48, 96;
+    the_ball: ball, 192, 48, 96;
 }
 
 /// Renders a scene and returns what its chains say.

@@ -9,7 +9,7 @@ use super::world::World;
 
 /// Probability that a mutation is a fresh path, whatever the path is like: their number must
 /// not depend on where the chain is, for what they find tells the level of the picture.
-pub const FRESH: f64 = 0.25;
+pub const FRESH: f64 = 0.2;
 
 /// How often each of the other mutations is tried, where it applies.
 const fn weight(mutation: Mutation) -> f64 {

@@ -13,6 +13,7 @@
 //! and the scatter of the blocks is the error of each pixel.
 
 mod chain;
+mod film;
 mod grow;
 mod judge;
 mod lengths;

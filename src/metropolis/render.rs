@@ -1,11 +1,12 @@
 //! The run: what is learned, then blocks of chains beside blocks of direct light.
 
 use super::chain::{Chain, Splats};
+use super::film::ChainFilm;
 use super::mutation::Place;
 use super::normalisation::Estimates;
 use super::numbers::Numbers;
 use super::report::{Convergence, Counts, Report};
-use super::start::{ENOUGH_FOUND, Found, Use};
+use super::start::{ENOUGH_FOUND, Use, mean_of};
 use super::world::World;
 use crate::camera::Film;
 use crate::integrator::{Budget, DirectLight, InOrder, Progress, Rendering};
@@ -27,10 +28,12 @@ const STRETCH: u64 = 1 << 15;
 /// mutations: this share of the mutations of a run, at least and at most so many.
 const LEARNING_ROUNDS: u64 = 2;
 const LEARNING_SHARE: u64 = 16;
+/// What a thread can be expected to do, where the run is told its time.
+const MUTATIONS_PER_S: f64 = 2e5;
 const LEARNING: [u64; 2] = [1 << 12, 1 << 22];
 /// Fresh paths in search of starts: this share of a block's mutations, at least and at most.
 const SEARCH_SHARE: u64 = 8;
-const SEARCH: [u64; 2] = [1 << 10, 1 << 18];
+const SEARCH: [u64; 2] = [1 << 10, 1 << 20];
 /// Mutations per sample of direct light, where there is some and where none was seen.
 const PER_DIRECT: [u64; 2] = [2, 16];
 
@@ -57,11 +60,11 @@ impl Outcome {
 struct Run<'w, 'a> {
     world: &'w World<'a>,
     seed: u64,
-    /// Sums of what chains left, over the normalisation.
+    /// Counts samples and blocks; the sums are kept apart.
     film: Film,
+    chain_film: ChainFilm,
     direct: DirectLight<'a>,
     per_direct: u64,
-    found: Vec<Found>,
     /// Fresh paths among which there was none for chains to start from.
     found_none_in: Option<u64>,
     counts: Counts,
@@ -80,7 +83,10 @@ pub fn render(
     let started = Instant::now();
     let mut world = World::new(scene, view, plan);
     let pixels = u64::from(world.resolution[0]) * u64::from(world.resolution[1]);
-    let mutations = budget.samples_per_pixel.saturating_mul(pixels);
+    let mutations = match budget.time {
+        Some(time) => (time.as_secs_f64() * MUTATIONS_PER_S * rayon::current_num_threads() as f64) as u64,
+        None => budget.samples_per_pixel.saturating_mul(pixels),
+    };
     let learning = (mutations / LEARNING_SHARE).clamp(LEARNING[0], LEARNING[1]);
     let mut found_none_in = None;
     for round in 0..LEARNING_ROUNDS {
@@ -97,10 +103,10 @@ pub fn render(
     let mut run = Run {
         world: &world,
         seed: budget.seed,
-        film: Film::new(world.resolution, view.sensor.channels.len(), true),
+        film: Film::new(world.resolution, view.sensor.channels.len(), false),
+        chain_film: ChainFilm::new(pixels as usize, view.sensor.channels.len()),
         per_direct: PER_DIRECT[usize::from(!direct.is_seen())],
         direct,
-        found: Vec::new(),
         found_none_in,
         counts: Counts::default(),
         estimates: Estimates::default(),
@@ -154,22 +160,22 @@ impl Run<'_, '_> {
         let key = mix(self.seed ^ mix(block ^ mix(Use::Chain as u64)));
         let mutations = samples_per_pixel * self.film.pixels() as u64;
         let search = (mutations / SEARCH_SHARE).clamp(SEARCH[0], SEARCH[1]);
-        let (found, estimates) = world.search(self.seed, block, search);
+        let (mut found, estimates) = world.search(self.seed, block, search);
         self.estimates.merge(&estimates);
-        let enough = found.len() >= ENOUGH_FOUND;
-        if !enough {
-            self.found.extend(&found);
-            if self.found.len() < ENOUGH_FOUND {
-                let (found, searched) = world.find(key, search);
-                self.found.extend(found);
-                if self.found.is_empty() {
-                    self.found_none_in = Some(searched);
-                    return;
-                }
-            }
+        let mut searched = search;
+        if found.len() < ENOUGH_FOUND {
+            let (more, further) = world.find(key, search);
+            found.extend(more);
+            searched += further;
         }
-        let from = if enough { &found } else { &self.found };
-        let starts = world.starts(from, CHAINS, &mut Numbers::of(&[self.seed, Use::Pick as u64, block]));
+        if found.is_empty() {
+            // A later block without starts counts as one of weight zero.
+            if block == 0 {
+                self.found_none_in = Some(searched);
+            }
+            return;
+        }
+        let starts = world.starts(&found, CHAINS, &mut Numbers::of(&[self.seed, Use::Pick as u64, block]));
         let mut chains: Vec<Chain<'_, '_>> = (0..)
             .zip(starts)
             .map(|(chain, start)| {
@@ -181,8 +187,8 @@ impl Run<'_, '_> {
         let length = |chain: u64| mutations / count + u64::from(chain < mutations % count);
         let longest = length(0);
         for first in (0..longest).step_by(STRETCH as usize) {
-            let film = &mut self.film;
-            let merge = InOrder::new(|_, splats: Splats| film.add_splats(&splats.pixels, &splats.values));
+            let film = &mut self.chain_film;
+            let merge = InOrder::new(|_, splats: Splats| film.add(&splats.pixels, &splats.values));
             chains.par_iter_mut().with_max_len(1).enumerate().for_each(|(index, chain)| {
                 let mut splats = Splats::default();
                 let left = length(index as u64).saturating_sub(first);
@@ -196,17 +202,19 @@ impl Run<'_, '_> {
             self.estimates.merge(&chain.estimates);
             self.convergence.add(chain.blocks);
         }
+        self.chain_film.finish_block(samples_per_pixel, mean_of(&found, searched));
     }
 
     /// The picture so far: what the chains left times the normalisation, and direct light.
     fn picture(&self) -> Film {
         let b = if self.estimates.found > 0 { self.estimates.mean() } else { 0.0 };
         let b_error = if self.estimates.found > 0 { self.estimates.standard_error() } else { 0.0 };
-        self.film.map(|pixel, channel, mean, error| {
+        self.film.map(|pixel, channel, _, _| {
             let direct = self.direct.film();
+            let (share, error) = self.chain_film.share(pixel, channel);
             let (other, other_error) = (direct.mean(pixel, channel), direct.standard_error(pixel, channel));
-            let variance = (b * error).powi(2) + (mean * b_error).powi(2) + other_error.powi(2);
-            (b * mean + other, variance.sqrt())
+            let variance = (b * error).powi(2) + (share * b_error).powi(2) + other_error.powi(2);
+            (b * share + other, variance.sqrt())
         })
     }
 }

@@ -45,6 +45,11 @@ pub struct Found {
     ln_estimate: f64,
 }
 
+/// Mean of what fresh paths count, of which some were found to count something.
+pub fn mean_of(found: &[Found], searched: u64) -> f64 {
+    ln_sum(found.iter().map(|path| path.ln_estimate)).exp() / searched as f64
+}
+
 /// What one path of each strategy counts, squared, on average over paths: by counted vertices
 /// and those from the light.
 #[derive(Default)]
