@@ -140,7 +140,7 @@ mod tests {
     fn probabilities_add_up_to_one() {
         for strategies in [Strategies::ALL, Strategies::PATH] {
             let unknown = Lengths::unknown(strategies);
-            let learned = unknown.learned(|n, s| if s > 1 { 0.9_f64.powi(2 * n as i32) } else { 0.0 });
+            let learned = unknown.learned(|n, s| if s > 1 { 0.8_f64.powi(2 * n as i32) } else { 0.0 });
             for lengths in [unknown, learned] {
                 let all = (FEWEST..400).flat_map(|n| (0..=n).map(move |s| (n, s)));
                 let sum: f64 = all.map(|(n, s)| lengths.probability(n, s)).sum();
