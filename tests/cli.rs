@@ -486,13 +486,17 @@ fn no_light_found_is_no_black_picture() {
     let scene = lamp_in_a_box(&folder, 0.5);
     let output = folder.join("out.exr");
     let fixed = ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), output.as_os_str()];
-    let run = etalon(fixed.into_iter().chain(["--spp", "1", "--integrator", "mlt"].map(AsRef::as_ref)));
+    let report = folder.join("report.json");
+    let options = ["--spp", "1", "--integrator", "mlt", "--report"].map(AsRef::as_ref);
+    let run = etalon(fixed.into_iter().chain(options).chain([report.as_os_str()]));
     assert_eq!(run.status.code(), Some(4), "{}", text(&run.stderr));
     let message = text(&run.stderr);
-    assert!(
-        message.contains("found none in 4194304 paths; hit probability below 7.2e-7 at 95 %"),
-        "{message}"
-    );
+    let facts: Value =
+        serde_json::from_str(&std::fs::read_to_string(&report).expect("written")).expect("JSON");
+    let paths = facts["metropolis"]["found_none_in"].as_u64().expect("a number");
+    let said =
+        format!("found none in {paths} paths; hit probability below {:.1e} at 95 %", 3.0 / paths as f64);
+    assert!(message.contains(&said) && paths > 1_000_000, "{message}");
     assert!(message.lines().count() == 1 && !output.exists(), "{message}");
 }
 
@@ -523,6 +527,18 @@ fn chains_report_on_themselves() {
     }
     let contribution: f64 = rows.iter().map(|row| number(&row["contribution"])).sum();
     assert!((contribution - 1.0).abs() < 1e-9, "{contribution}");
+}
+
+/// What is learned before the chains set out fits into the time as well.
+#[test]
+fn chains_keep_to_the_time() {
+    let folder = folder("chains-time");
+    let scene = root().join("reference/schoedl-2007-glass-bulb/scene.json");
+    let started = Instant::now();
+    let picture = render(&scene, &folder, "--time 2 --resolution 32x32 --integrator mlt");
+    // Loading, and the last block, come on top.
+    assert!(started.elapsed() < Duration::from_secs(6), "{:?}", started.elapsed());
+    assert!(picture.facts()["samples_per_pixel"].as_u64() > Some(20), "{}", picture.facts());
 }
 
 #[test]

@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         strategies::prepare(folder)?;
         check_memory(&view, strategies::FILMS)?;
     }
-    let facts = render_to_files(
+    let rendered = render_to_files(
         &scene,
         &view,
         &arguments.effort,
@@ -85,7 +85,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         layers,
         &arguments.output,
         arguments.png.as_deref(),
-    )?;
+    );
+    if let (Some(report), Err(error)) = (&arguments.report, &rendered)
+        && let Some(nothing) = error.downcast_ref::<NothingFound>()
+    {
+        write_report(report, &serde_json::json!({ "metropolis": nothing.outcome }))?;
+    }
+    let facts = rendered?;
     let error =
         facts.relative_error.map_or_else(String::new, |e| format!(", relative error {:.2} %", 100.0 * e));
     super::print(&format!(
@@ -95,8 +101,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         facts.seconds
     ));
     if let Some(report) = &arguments.report {
-        let text = serde_json::to_string_pretty(&facts)?;
-        std::fs::write(report, text + "\n").map_err(|e| Error::io(report, "write the report", &e))?;
+        write_report(report, &facts)?;
     }
     if let Some(outcome) = &facts.metropolis {
         tell(outcome);
@@ -109,6 +114,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         super::print(&format!("{}: every strategy by itself and weighted", sheet.display()));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn write_report(file: &Path, report: &impl serde::Serialize) -> anyhow::Result<()> {
+    let text = serde_json::to_string_pretty(report)?;
+    Ok(std::fs::write(file, text + "\n").map_err(|e| Error::io(file, "write the report", &e))?)
 }
 
 /// What the chains of a render say about themselves.
@@ -128,13 +138,16 @@ fn none_found(paths: u64, outcome: &Outcome) -> String {
 
 /// The error of a scene in which lamps shine and no light was found.
 #[derive(Debug)]
-pub struct NothingFound(String);
+pub struct NothingFound {
+    text: String,
+    outcome: Outcome,
+}
 
 impl std::error::Error for NothingFound {}
 
 impl std::fmt::Display for NothingFound {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
+        f.write_str(&self.text)
     }
 }
 
@@ -202,7 +215,7 @@ pub fn render_to_files(
     {
         let what = none_found(paths, outcome);
         let text = format!("{}: no direct light was found; {what}; no picture is written", scene.name);
-        return Err(NothingFound(text).into());
+        return Err(NothingFound { text, outcome: outcome.clone() }.into());
     }
     let Rendering { film, elapsed, metropolis } = rendering;
     let facts =

@@ -142,7 +142,6 @@ impl<'a> Tracer<'a> {
                 break;
             }
             if !vertex.is_mirror() {
-                scattered = true;
                 if strategies.asks_lights {
                     joiner.ask_light(paths, put);
                 }
@@ -155,6 +154,8 @@ impl<'a> Tracer<'a> {
             if !walker.leave(&mut paths.eye, &mut heading) {
                 break;
             }
+            // By what happened there, not by what may: some glass does both.
+            scattered |= paths.eye.last().is_some_and(|vertex| !vertex.is_delta);
         }
     }
 }

@@ -41,6 +41,8 @@ pub struct Chain<'w, 'a> {
     proposal: Path,
     /// Turns that the path has stood for and not yet left in the picture.
     pending: f64,
+    /// What made the path; the start is a fresh one.
+    made_by: Mutation,
     /// Turns since the path was last replaced.
     rejected: u64,
     /// What happened to each mutation.
@@ -61,6 +63,7 @@ impl<'w, 'a> Chain<'w, 'a> {
             proposal: Path::empty(start.wavelengths),
             state: start,
             pending: 0.0,
+            made_by: Mutation::Fresh,
             rejected: 0,
             counts: Counts::default(),
             blocks: Blocks::default(),
@@ -105,9 +108,16 @@ impl<'w, 'a> Chain<'w, 'a> {
         self.counts.note(mutation, proposed.is_some(), acceptance, accepted);
         // Both paths count by what is expected, whichever comes out.
         self.pending += 1.0 - acceptance;
+        self.counts.note_stood(self.made_by, 1.0 - acceptance);
+        self.counts.note_stood(mutation, acceptance);
+        self.counts.non_finite += std::mem::take(&mut self.mutator.non_finite);
         self.blocks.note(self.world, &[(&self.state, 1.0 - acceptance), (&self.proposal, acceptance)]);
         if accepted {
             self.leave(splats);
+            if kind(&self.state) != kind(&self.proposal) {
+                self.counts.note_new_kind(mutation);
+            }
+            self.made_by = mutation;
             std::mem::swap(&mut self.state, &mut self.proposal);
             self.pending = acceptance;
             self.rejected = 0;
@@ -148,6 +158,11 @@ fn offered(mutation: Mutation, path: &Path) -> f64 {
 fn share(mutation: Mutation, path: &Path) -> f64 {
     let all: f64 = Mutation::ALL.iter().map(|other| offered(*other, path)).sum();
     offered(mutation, path) / all
+}
+
+/// Vertices and deltas of a path.
+fn kind(path: &Path) -> (usize, usize) {
+    (path.count(), (0..path.count()).filter(|index| path.is_delta(*index)).count())
 }
 
 fn put(world: &World<'_>, path: &Path, weight: f64, splats: &mut Splats) {

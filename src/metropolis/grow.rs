@@ -17,9 +17,9 @@ pub const fn lobe_number(crosses: bool) -> f32 {
 
 /// Vertices of a walk that are not left to chance, and the probability of each one after them:
 /// light that is trapped between mirrors ends.
-pub const SURE_VERTICES: usize = 64;
+pub const SURE_VERTICES: usize = 32;
 /// See [`SURE_VERTICES`].
-pub const SURVIVAL: f64 = 0.995;
+pub const SURVIVAL: f64 = 0.98;
 
 /// How far a walk goes.
 #[derive(Clone, Copy)]
@@ -86,6 +86,11 @@ impl Draft {
         self.light.extend_from_slice(&path.nodes[..from_light]);
         self.eye.clear();
         self.eye.extend(path.nodes[path.count() - from_eye..].iter().rev());
+    }
+
+    /// Vertices found.
+    pub const fn vertices(&self) -> u64 {
+        (self.light.len() + self.eye.len()) as u64
     }
 
     /// Puts the vertices together.

@@ -55,6 +55,7 @@ impl Path {
         });
         self.ln_target = total.ln() + ln_value + fresh[0] - mean;
         self.channels.iter_mut().for_each(|channel| *channel /= total);
+        self.is_faulty |= self.ln_target.is_nan() || self.ln_target == f64::INFINITY;
         self.ln_target.is_finite() && self.ln_fresh.is_finite()
     }
 

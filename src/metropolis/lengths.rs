@@ -95,7 +95,7 @@ impl Lengths {
         }
         let further = (vertices - LONGEST - 1) as f64;
         let here = self.tail * (1.0 - self.ratio) * self.ratio.powf(further);
-        here / planned(&self.strategies, vertices).len() as f64
+        here / planned_of_many(&self.strategies, vertices) as f64
     }
 
     /// Draws vertices, and vertices from the light.
@@ -116,6 +116,13 @@ impl Lengths {
 /// Vertices from the light of the strategies for paths of so many vertices.
 fn planned(strategies: &Strategies, vertices: usize) -> Vec<usize> {
     (0..=vertices).filter(|s| is_planned(strategies, vertices, *s)).collect()
+}
+
+/// How many these are for four or more vertices.
+fn planned_of_many(strategies: &Strategies, vertices: usize) -> usize {
+    let ends = [0, 1, vertices - 1, vertices];
+    let joins = if strategies.joins { vertices - 3 } else { 0 };
+    joins + ends.iter().filter(|s| is_planned(strategies, vertices, **s)).count()
 }
 
 /// Whether a strategy for paths of so many counted vertices is of use. Light that reaches what
@@ -140,6 +147,10 @@ mod tests {
     fn probabilities_add_up_to_one() {
         for strategies in [Strategies::ALL, Strategies::PATH] {
             let unknown = Lengths::unknown(strategies);
+            for vertices in [4, 5, 30] {
+                let count = planned(&strategies, vertices).len();
+                assert_eq!(planned_of_many(&strategies, vertices), count);
+            }
             let learned = unknown.learned(|n, s| if s > 1 { 0.8_f64.powi(2 * n as i32) } else { 0.0 });
             for lengths in [unknown, learned] {
                 let all = (FEWEST..400).flat_map(|n| (0..=n).map(move |s| (n, s)));

@@ -40,6 +40,8 @@ pub struct Path {
     pub position: [f64; 2],
     /// What each channel records, over the target function.
     pub channels: Vec<f64>,
+    /// Whether its worth was not a number when it was judged.
+    pub(super) is_faulty: bool,
     /// Logarithm of the target function.
     pub ln_target: f64,
     /// Logarithm of the density with which a fresh path is this one, for the hero.
@@ -79,6 +81,7 @@ impl Path {
             wavelengths,
             position: [0.0; 2],
             channels: Vec::new(),
+            is_faulty: false,
             ln_target: f64::NEG_INFINITY,
             ln_fresh: f64::NEG_INFINITY,
             directions: Vec::new(),
@@ -100,6 +103,11 @@ impl Path {
     /// Number of counted vertices, and of those among the first `s`.
     pub fn counted(&self, s: usize) -> (usize, usize) {
         (self.counted[self.count()], self.counted[s])
+    }
+
+    /// Whether a judgement since the last time of asking was not a number.
+    pub fn take_fault(&mut self) -> bool {
+        std::mem::take(&mut self.is_faulty)
     }
 
     /// Takes over vertices and wavelengths of another path, unjudged.

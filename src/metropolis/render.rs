@@ -6,7 +6,7 @@ use super::mutation::Place;
 use super::normalisation::Estimates;
 use super::numbers::Numbers;
 use super::report::{Convergence, Counts, Report};
-use super::start::{ENOUGH_FOUND, Use, mean_of};
+use super::start::{ENOUGH_FOUND, Use};
 use super::world::World;
 use crate::camera::Film;
 use crate::integrator::{Budget, DirectLight, InOrder, Progress, Rendering};
@@ -18,6 +18,13 @@ use std::time::Instant;
 
 /// Chains of a block, whatever the number of threads.
 const CHAINS: usize = 32;
+/// Vertices after which a scene in which nothing was found is given up: some four million
+/// paths of four vertices, and fewer between mirrors. Against the clock it is so many for each
+/// path of a round of learning.
+const MOST_VERTICES: u64 = 1 << 24;
+const VERTICES_PER_PATH: u64 = 64;
+/// Paths that carry light that a run is to find by searches of fixed size, for its level's sake.
+const FINDS_PER_RUN: u64 = 64;
 /// Blocks of a run that is told its samples; the scatter between them is the error.
 const BLOCKS: u64 = 16;
 /// Against the clock, a block takes this share of the samples before it.
@@ -67,6 +74,10 @@ struct Run<'w, 'a> {
     per_direct: u64,
     /// Fresh paths among which there was none for chains to start from.
     found_none_in: Option<u64>,
+    /// Fresh paths that each block looks at, so that the run finds enough to know its level.
+    search_at_least: u64,
+    /// Vertices after which a search gives up.
+    most_vertices: u64,
     counts: Counts,
     estimates: Estimates,
     convergence: Convergence,
@@ -88,15 +99,20 @@ pub fn render(
         None => budget.samples_per_pixel.saturating_mul(pixels),
     };
     let learning = (mutations / LEARNING_SHARE).clamp(LEARNING[0], LEARNING[1]);
-    let mut found_none_in = None;
+    let most = match budget.time {
+        Some(_) => learning * VERTICES_PER_PATH,
+        None => MOST_VERTICES,
+    };
+    let (mut found_none_in, mut needed) = (None, 0);
     for round in 0..LEARNING_ROUNDS {
         let seed = mix(budget.seed ^ mix(Use::Pilot as u64 + (round << 8)));
-        let (found, searched) = world.find(seed, learning);
-        if found.is_empty() {
-            found_none_in = Some(searched);
+        let search = world.find(seed, learning, most);
+        if search.found.is_empty() {
+            found_none_in = Some(search.estimates.paths);
             break;
         }
-        let starts = world.starts(&found, CHAINS, &mut Numbers::of(&[seed]));
+        needed = FINDS_PER_RUN * search.estimates.paths / search.found.len() as u64;
+        let starts = world.starts(&search.found, CHAINS, &mut Numbers::of(&[seed]));
         world.learn(seed, starts, learning / 2 / CHAINS as u64);
     }
     let direct = DirectLight::new(scene, view, mix(budget.seed ^ mix(Use::Direct as u64)));
@@ -108,6 +124,9 @@ pub fn render(
         per_direct: PER_DIRECT[usize::from(!direct.is_seen())],
         direct,
         found_none_in,
+        // A run against the clock has no fixed number of blocks; its first ones make up for it.
+        search_at_least: needed.div_ceil(BLOCKS),
+        most_vertices: most,
         counts: Counts::default(),
         estimates: Estimates::default(),
         convergence: Convergence::default(),
@@ -131,9 +150,10 @@ pub fn render(
     }
     let film = run.picture();
     let direct_light = (0..film.pixels()).any(|pixel| run.direct.film().mean(pixel, 1) > 0.0);
-    let report =
-        run.found_none_in.is_none().then(|| Report::of(&run.counts, &run.estimates, &run.convergence));
-    let found_none_in = run.found_none_in.filter(|_| !scene.lights.is_empty());
+    // Chains without a level are no picture.
+    let found_none_in = run.found_none_in.or((run.estimates.found == 0).then_some(run.estimates.paths));
+    let report = found_none_in.is_none().then(|| Report::of(&run.counts, &run.estimates, &run.convergence));
+    let found_none_in = found_none_in.filter(|_| !scene.lights.is_empty());
     let outcome = Outcome { report, found_none_in, direct_light };
     Rendering { film, elapsed: started.elapsed(), metropolis: Some(outcome) }
 }
@@ -159,23 +179,18 @@ impl Run<'_, '_> {
         let world = self.world;
         let key = mix(self.seed ^ mix(block ^ mix(Use::Chain as u64)));
         let mutations = samples_per_pixel * self.film.pixels() as u64;
-        let search = (mutations / SEARCH_SHARE).clamp(SEARCH[0], SEARCH[1]);
-        let (mut found, estimates) = world.search(self.seed, block, search);
-        self.estimates.merge(&estimates);
-        let mut searched = search;
-        if found.len() < ENOUGH_FOUND {
-            let (more, further) = world.find(key, search);
-            found.extend(more);
-            searched += further;
+        let count = (mutations / SEARCH_SHARE).clamp(SEARCH[0], SEARCH[1]).max(self.search_at_least);
+        let mut search = world.search(self.seed, block, count);
+        self.estimates.merge(&search.estimates);
+        if search.found.len() < ENOUGH_FOUND {
+            search.extend(world.find(key, count, self.most_vertices));
         }
-        if found.is_empty() {
-            // A later block without starts counts as one of weight zero.
-            if block == 0 {
-                self.found_none_in = Some(searched);
-            }
+        if search.found.is_empty() {
+            // Nothing was found where a first search did find something: a block of weight zero.
             return;
         }
-        let starts = world.starts(&found, CHAINS, &mut Numbers::of(&[self.seed, Use::Pick as u64, block]));
+        let starts =
+            world.starts(&search.found, CHAINS, &mut Numbers::of(&[self.seed, Use::Pick as u64, block]));
         let mut chains: Vec<Chain<'_, '_>> = (0..)
             .zip(starts)
             .map(|(chain, start)| {
@@ -202,19 +217,21 @@ impl Run<'_, '_> {
             self.estimates.merge(&chain.estimates);
             self.convergence.add(chain.blocks);
         }
-        self.chain_film.finish_block(samples_per_pixel, mean_of(&found, searched));
+        self.chain_film.finish_block(samples_per_pixel, search.estimates.mean());
     }
 
     /// The picture so far: what the chains left times the normalisation, and direct light.
     fn picture(&self) -> Film {
         let b = if self.estimates.found > 0 { self.estimates.mean() } else { 0.0 };
         let b_error = if self.estimates.found > 0 { self.estimates.standard_error() } else { 0.0 };
-        self.film.map(|pixel, channel, _, _| {
+        let mut film = self.film.map(|pixel, channel, _, _| {
             let direct = self.direct.film();
             let (share, error) = self.chain_film.share(pixel, channel);
             let (other, other_error) = (direct.mean(pixel, channel), direct.standard_error(pixel, channel));
             let variance = (b * error).powi(2) + (share * b_error).powi(2) + other_error.powi(2);
             (b * share + other, variance.sqrt())
-        })
+        });
+        film.non_finite_samples = self.direct.film().non_finite_samples + self.counts.non_finite;
+        film
     }
 }

@@ -10,6 +10,8 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counts {
     by_mutation: [Count; Mutation::ALL.len()],
+    /// Paths whose worth was not a number.
+    pub non_finite: u64,
     /// Longest run of turns in which one path stayed.
     pub longest_rejection: u64,
 }
@@ -20,6 +22,8 @@ struct Count {
     complete: u64,
     accepted: u64,
     expected: f64,
+    new_kinds: u64,
+    stood: f64,
 }
 
 impl Counts {
@@ -32,6 +36,17 @@ impl Counts {
         count.expected += acceptance;
     }
 
+    /// Notes that a mutation has led to a path of another kind: of more or fewer vertices or
+    /// deltas.
+    pub fn note_new_kind(&mut self, mutation: Mutation) {
+        self.by_mutation[mutation as usize].new_kinds += 1;
+    }
+
+    /// Notes by how much a path counted that a mutation had made.
+    pub fn note_stood(&mut self, made_by: Mutation, weight: f64) {
+        self.by_mutation[made_by as usize].stood += weight;
+    }
+
     /// Adds those of another chain.
     pub fn merge(&mut self, other: &Self) {
         for (count, more) in self.by_mutation.iter_mut().zip(&other.by_mutation) {
@@ -39,13 +54,16 @@ impl Counts {
             count.complete += more.complete;
             count.accepted += more.accepted;
             count.expected += more.expected;
+            count.new_kinds += more.new_kinds;
+            count.stood += more.stood;
         }
+        self.non_finite += other.non_finite;
         self.longest_rejection = self.longest_rejection.max(other.longest_rejection);
     }
 
     /// The table of the report.
     pub fn rows(&self) -> Vec<MutationRow> {
-        let all: f64 = self.by_mutation.iter().map(|count| count.expected).sum();
+        let all: f64 = self.by_mutation.iter().map(|count| count.stood).sum();
         Mutation::ALL
             .iter()
             .zip(&self.by_mutation)
@@ -55,7 +73,8 @@ impl Counts {
                 complete: count.complete,
                 accepted: count.accepted,
                 acceptance: if count.proposed > 0 { count.expected / count.proposed as f64 } else { 0.0 },
-                contribution: if all > 0.0 { count.expected / all } else { 0.0 },
+                new_kinds: count.new_kinds,
+                contribution: if all > 0.0 { count.stood / all } else { 0.0 },
             })
             .collect()
     }
@@ -74,7 +93,9 @@ pub struct MutationRow {
     pub accepted: u64,
     /// Mean acceptance probability.
     pub acceptance: f64,
-    /// Share of all new paths that it brought into the picture.
+    /// How often the path taken was of another kind, of more or fewer vertices or deltas.
+    pub new_kinds: u64,
+    /// Share of the picture, direct light apart, that is made of paths that it has made.
     pub contribution: f64,
 }
 
@@ -134,9 +155,13 @@ impl Convergence {
 
     /// The largest potential scale reduction over the blocks of the picture (Gelman and Rubin
     /// 1992): root of total variance over variance within chains. Near 1 when chains have
-    /// mixed; `None` with fewer than two chains.
+    /// mixed; `None` with fewer than two chains. Chains less than half as long as the longest
+    /// are left out.
     pub fn scale_reduction(&self) -> Option<f64> {
-        let chains: Vec<&Blocks> = self.chains.iter().filter(|chain| chain.turns > 1).collect();
+        // Short chains, of the first blocks against the clock, have seen less than there is.
+        let longest = self.chains.iter().map(|chain| chain.turns).max().unwrap_or(0);
+        let chains: Vec<&Blocks> =
+            self.chains.iter().filter(|chain| chain.turns > 1 && 2 * chain.turns >= longest).collect();
         if chains.len() < 2 {
             return None;
         }
@@ -152,7 +177,12 @@ impl Convergence {
                 .map(|(c, m)| (c.squares[block] / c.turns as f64 - m * m).max(0.0))
                 .sum::<f64>()
                 / count;
-            if within > 0.0 { (1.0 - 1.0 / turns + between / within).sqrt() } else { 1.0 }
+            match (within > 0.0, between > 0.0) {
+                (true, _) => (1.0 - 1.0 / turns + between / within).sqrt(),
+                // Each chain stays where it is, and they are in different places.
+                (false, true) => f64::INFINITY,
+                (false, false) => 1.0,
+            }
         };
         (0..SIDE * SIDE).map(of_block).reduce(f64::max)
     }
@@ -182,7 +212,7 @@ pub struct Report {
     pub fresh_paths: u64,
     /// Those of them that found light.
     pub fresh_paths_found: u64,
-    /// Longest run of mutations that one path outlived.
+    /// Longest run of mutations that one path outlived, of those in a chain.
     pub longest_rejection: u64,
     /// Largest potential scale reduction between the chains over 16 blocks of the picture.
     pub scale_reduction: Option<f64>,
@@ -236,21 +266,60 @@ impl std::fmt::Display for Report {
         writeln!(f, "longest rejection run {} of {} mutations", self.longest_rejection, self.mutations)?;
         writeln!(
             f,
-            "{:<16}{:>12}{:>12}{:>12}{:>12}{:>14}",
-            "mutation", "proposed", "complete", "accepted", "acceptance", "contribution"
+            "{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>14}",
+            "mutation", "proposed", "complete", "accepted", "new kind", "acceptance", "contribution"
         )?;
         for row in &self.mutation_table {
             writeln!(
                 f,
-                "{:<16}{:>12}{:>12}{:>12}{:>11.1}%{:>13.1}%",
+                "{:<16}{:>12}{:>12}{:>12}{:>12}{:>11.1}%{:>13.1}%",
                 row.mutation,
                 row.proposed,
                 row.complete,
                 row.accepted,
+                row.new_kinds,
                 100.0 * row.acceptance,
                 100.0 * row.contribution
             )?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chain(turns: u64, block: usize) -> Blocks {
+        let mut blocks = Blocks { turns, ..Blocks::default() };
+        blocks.sums[block] = turns as f64;
+        blocks.squares[block] = turns as f64;
+        blocks
+    }
+
+    /// Chains that never leave the block they are in: together everywhere, and not mixed.
+    #[test]
+    fn stuck_chains_are_not_mixed() {
+        let stuck = |blocks: &[usize]| {
+            let chains = blocks.iter().map(|block| chain(1000, *block)).collect();
+            Convergence { chains }.scale_reduction()
+        };
+        assert_eq!(stuck(&[1, 2, 3]), Some(f64::INFINITY));
+        assert_eq!(stuck(&[2, 2, 2]), Some(1.0));
+        assert_eq!(stuck(&[2]), None);
+    }
+
+    /// A few turns of a short chain say nothing about whether long ones agree.
+    #[test]
+    fn short_chains_are_left_out() {
+        let even = || {
+            let mut blocks = Blocks { turns: 10_000, ..Blocks::default() };
+            blocks.sums = [625.0; SIDE * SIDE];
+            blocks.squares = [625.0; SIDE * SIDE];
+            blocks
+        };
+        let chains = vec![even(), even(), chain(3, 0), chain(3, 5)];
+        let reduction = Convergence { chains }.scale_reduction().expect("two long chains");
+        assert!(reduction < MIXED, "{reduction}");
     }
 }

@@ -18,9 +18,6 @@ const PIECE: u64 = 512;
 
 /// Paths found that are enough to choose starts from.
 pub const ENOUGH_FOUND: usize = 32;
-/// Fresh paths after which a scene in which nothing was found is given up.
-const MOST_SEARCHED: u64 = 1 << 22;
-
 /// Names of the uses of random numbers within a run.
 #[derive(Clone, Copy)]
 pub enum Use {
@@ -45,9 +42,24 @@ pub struct Found {
     ln_estimate: f64,
 }
 
-/// Mean of what fresh paths count, of which some were found to count something.
-pub fn mean_of(found: &[Found], searched: u64) -> f64 {
-    ln_sum(found.iter().map(|path| path.ln_estimate)).exp() / searched as f64
+/// What a search among fresh paths comes to.
+#[derive(Debug, Default)]
+pub struct Search {
+    /// Those that carry light.
+    pub found: Vec<Found>,
+    /// What all of them estimate.
+    pub estimates: Estimates,
+    /// Vertices that were looked at: what the search has cost.
+    pub vertices: u64,
+}
+
+impl Search {
+    /// Adds a further search.
+    pub fn extend(&mut self, other: Self) {
+        self.found.extend(other.found);
+        self.estimates.merge(&other.estimates);
+        self.vertices += other.vertices;
+    }
 }
 
 /// What one path of each strategy counts, squared, on average over paths: by counted vertices
@@ -82,38 +94,29 @@ impl Moments {
 }
 
 impl World<'_> {
-    /// Makes `count` fresh paths and hands those that carry light to `each`; their order does
-    /// not depend on the number of threads.
-    fn fresh_paths<T: Send>(
-        &self,
-        names: [u64; 3],
-        count: u64,
-        each: impl Fn(&Path, [u64; 4]) -> T + Sync,
-    ) -> (Vec<T>, Estimates) {
+    /// Makes `count` fresh paths; the order of those found does not depend on the number of
+    /// threads.
+    pub fn search(&self, seed: u64, block: u64, count: u64) -> Search {
         let piece = |first: u64| {
             let mut mutator = Mutator::new(self, Place { key: 0, chain: 0, bits: 0, drawn: 0 });
             let mut path = Path::empty(self.plan.wavelengths.sample(0.0));
-            let mut found = Vec::new();
-            let mut estimates = Estimates::default();
+            let mut piece = Search::default();
             for index in first..count.min(first + PIECE) {
-                let names = [names[0], names[1], names[2], index];
+                let names = [seed, Use::Start as u64, block, index];
                 let made = mutator.fresh(&mut path, &mut Numbers::of(&names));
-                estimates.add(made.map(|()| path.ln_estimate().exp()));
+                piece.estimates.add(made.map(|()| path.ln_estimate().exp()));
+                piece.vertices += mutator.draft.vertices();
                 if made.is_some() {
-                    found.push(each(&path, names));
+                    piece.found.push(Found { names, ln_estimate: path.ln_estimate() });
                 }
             }
-            (found, estimates)
+            piece
         };
-        let pieces: Vec<(Vec<T>, Estimates)> =
+        let pieces: Vec<Search> =
             (0..count.div_ceil(PIECE)).into_par_iter().map(|index| piece(index * PIECE)).collect();
-        let mut all = Vec::new();
-        let mut together = Estimates::default();
-        for (found, estimates) in pieces {
-            all.extend(found);
-            together.merge(&estimates);
-        }
-        (all, together)
+        let mut all = Search::default();
+        pieces.into_iter().for_each(|piece| all.extend(piece));
+        all
     }
 
     /// Learns from chains, which are then forgotten, how long fresh paths should be: chains
@@ -133,29 +136,20 @@ impl World<'_> {
     }
 
     /// Looks for paths that carry light until there are enough to start from, or none is to be
-    /// expected. What this search finds tells nothing of the level: it ends when it finds
-    /// something. It looks at `first` paths, and then always at as many as before. With the
-    /// paths comes how many were looked at.
-    pub fn find(&self, seed: u64, first: u64) -> (Vec<Found>, u64) {
-        let mut all = Vec::new();
+    /// expected after `most` vertices. Its estimates tell nothing of the level: it ends when it
+    /// finds something. It looks at `first` paths, and then always at as many as before.
+    pub fn find(&self, seed: u64, first: u64, most: u64) -> Search {
+        let mut all = Search::default();
         if self.scene.lights.is_empty() {
-            return (all, 0);
+            return all;
         }
-        let mut searched = 0;
         let mut count = first;
-        while all.len() < ENOUGH_FOUND && searched < MOST_SEARCHED {
-            let (found, _) = self.search(seed, u64::MAX - searched, count);
-            all.extend(found);
-            searched += count;
-            count = searched;
+        while all.found.len() < ENOUGH_FOUND && all.vertices < most {
+            let searched = all.estimates.paths;
+            all.extend(self.search(seed, u64::MAX - searched, count));
+            count = all.estimates.paths;
         }
-        (all, searched)
-    }
-
-    /// Looks for paths that carry light among `count` fresh ones.
-    pub fn search(&self, seed: u64, block: u64, count: u64) -> (Vec<Found>, Estimates) {
-        let each = |path: &Path, names| Found { names, ln_estimate: path.ln_estimate() };
-        self.fresh_paths([seed, Use::Start as u64, block], count, each)
+        all
     }
 
     /// Paths for `chains` chains to start from, out of those found in proportion to what they

@@ -30,6 +30,8 @@ fn room(objects: Value, lights: Value, camera: Value) -> Scene {
             "mirror": { "mirror": { "reflectance": 0.9 } },
             "crown": { "dielectric": { "index": 1.5 } },
             "flint": { "dielectric": { "index": "n-sf11" } },
+            "fickle": { "dielectric": { "roughness_alpha": 0.2,
+                "index": { "table": { "wavelengths_nm": [360, 559, 561, 830], "n": [1, 1, 1.4, 1.4] } } } },
             "ground flint": { "dielectric": { "index": "n-sf11", "roughness_alpha": 0.3 } },
         },
         "objects": all, "lights": lights, "camera": camera,
@@ -107,6 +109,14 @@ pub fn rooms() -> Vec<(&'static str, Scene)> {
         ),
         ("prism", room(json!([panel(), ball([1., 0.6, 1.2], 0.4, "flint")]), none.clone(), pinhole())),
         ("ground", room(json!([panel(), ball([1., 0.6, 1.2], 0.4, "ground flint")]), point, pinhole())),
+        (
+            "partly smooth",
+            room(
+                json!([panel(), { "shape": { "box": { "min": [0.3, 0.3, 0.4], "max": [1.7, 1.7, 0.5] } }, "material": "fickle" }]),
+                none.clone(),
+                pinhole(),
+            ),
+        ),
         ("octahedron", room(json!([panel(), round_octahedron()]), none, pinhole())),
         ("aquarium", aquarium("crown")),
         ("ground aquarium", aquarium("ground flint")),

@@ -79,7 +79,11 @@ impl Mutation {
         let met = matches!(path.nodes[0].kind, Kind::Light { primitive: Some(_), .. });
         match self {
             Self::Fresh | Self::Bidirectional | Self::Primary | Self::Wavelength => true,
-            Self::LensSubpath | Self::Lens => seen.is_some_and(|seen| !path.is_delta(seen - 1)),
+            // A fresh walk stops where something can be joined, also where this path did not.
+            Self::LensSubpath => seen.is_some_and(|seen| {
+                !path.is_delta(seen - 1) && (seen + 1..last).all(|index| path.nodes[index].is_mirror())
+            }),
+            Self::Lens => seen.is_some_and(|seen| !path.is_delta(seen - 1)),
             Self::MultiChain => seen.is_some_and(|seen| {
                 path.is_delta(seen - 1) && (met || moved::joint_beyond(path, seen).is_some())
             }),
@@ -98,6 +102,8 @@ pub struct Mutator<'w, 'a> {
     pub in_picture: Steps,
     /// Which chain this is of how many, whose positions in the picture are stratified.
     pub place: Place,
+    /// Paths whose worth was not a number; they count as void.
+    pub non_finite: u64,
 }
 
 /// A chain among others.
@@ -127,7 +133,7 @@ impl<'w, 'a> Mutator<'w, 'a> {
         let [width, height] = world.resolution.map(f64::from);
         let largest = (LARGEST_MOVE * width.hypot(height)).max(2.0 * SMALLEST_MOVE_PX);
         let in_picture = Steps { smallest: SMALLEST_MOVE_PX, largest };
-        Self { world, draft: Draft::default(), in_picture, place }
+        Self { world, draft: Draft::default(), in_picture, place, non_finite: 0 }
     }
 
     /// Proposes a path from another one: the logarithm of the acceptance ratio; `None` where
@@ -149,6 +155,7 @@ impl<'w, 'a> Mutator<'w, 'a> {
             Mutation::Wavelength => self.wavelength(x, y, numbers),
             Mutation::Primary => self.primary(x, y, numbers),
         };
+        self.non_finite += u64::from(y.take_fault() || ratio.is_some_and(f64::is_nan));
         ratio.filter(|ratio| !ratio.is_nan())
     }
 }
