@@ -46,6 +46,11 @@ fn whole(runs: &[Vec<f64>]) -> (f64, f64) {
 
 /// Judges a scene; the numbers are samples per pixel in each run.
 fn assert_agree(json: &Value, mlt_spp: u64, bdpt_spp: u64, path_spp: u64) {
+    assert_agree_within(json, mlt_spp, bdpt_spp, path_spp, MOST_NOISE);
+}
+
+/// The same with another limit of the noise.
+fn assert_agree_within(json: &Value, mlt_spp: u64, bdpt_spp: u64, path_spp: u64, most_noise: f64) {
     let name = json["name"].as_str().expect("a name");
     let scene = scene(json);
     let [width, height] = scene.view().expect("a camera").camera.resolution().map(|side| side as usize);
@@ -64,7 +69,7 @@ fn assert_agree(json: &Value, mlt_spp: u64, bdpt_spp: u64, path_spp: u64) {
         );
         let agreement = Agreement::of(&mlt, &others, width, height, MARGIN);
         println!("{agreement}");
-        assert!(sigma < MOST_NOISE, "{name}, mlt against {}: too noisy to judge: {sigma}", other.name());
+        assert!(sigma < most_noise, "{name}, mlt against {}: too noisy to judge: {sigma}", other.name());
         assert!(z.abs() < MOST_SIGMAS, "{name}, mlt against {}: z = {z}", other.name());
         assert!(
             !matches!(agreement.verdict, Verdict::Different),
@@ -86,7 +91,7 @@ macro_rules! agree {
 // Samples per pixel and run for mlt, bdpt and path.
 agree! {
     a_diffuse_room: diffuse, 192, 48, 96;
-    a_glossy_room: glossy, 192, 48, 96;
+    a_glossy_room: glossy, 384, 48, 96;
     glass: glass, 192, 48, 96;
     a_dispersive_prism: dispersive_prism, 192, 48, 96;
     metal_and_mirrors: metal, 192, 48, 96;
@@ -95,7 +100,7 @@ agree! {
     a_large_panel: large_panel, 192, 48, 96;
     a_point_light: point_light, 192, 48, 96;
     a_light_in_glass: light_in_glass, 192, 48, 96;
-    a_camera_in_glass: camera_in_glass, 192, 48, 96;
+    a_camera_in_glass: camera_in_glass, 512, 96, 192;
     a_camera_in_absorbing_glass: camera_in_absorbing_glass, 192, 48, 96;
     smooth_normals_on_flat_faces: smooth_normals, 192, 48, 96;
     the_ball: ball, 192, 48, 96;
@@ -112,7 +117,9 @@ fn glass_that_is_a_mirror_at_some_wavelengths() {
     json["materials"]["glass"] = json!({ "dielectric": { "index": index, "roughness_alpha": 0.2 } });
     let slab = json!({ "shape": { "box": { "min": [-0.6, 0.3, -0.5], "max": [0.6, 1.9, -0.4] } }, "material": "glass" });
     json["objects"].as_array_mut().expect("objects").push(slab);
-    assert_agree(&json, 192, 48, 96);
+    // Its lobes are narrow and light through them is rare; taking them for direct light loses a
+    // quarter of the picture.
+    assert_agree_within(&json, 768, 96, 192, 0.04);
 }
 
 /// Standard errors are what pictures of other seeds scatter by: sums over pixels of both

@@ -124,8 +124,7 @@ pub fn render(
         per_direct: PER_DIRECT[usize::from(!direct.is_seen())],
         direct,
         found_none_in,
-        // A run against the clock has no fixed number of blocks; its first ones make up for it.
-        search_at_least: needed.div_ceil(BLOCKS),
+        search_at_least: needed.div_ceil(fewest_blocks(budget)),
         most_vertices: most,
         counts: Counts::default(),
         estimates: Estimates::default(),
@@ -158,13 +157,18 @@ pub fn render(
     Rendering { film, elapsed: started.elapsed(), metropolis: Some(outcome) }
 }
 
+/// Blocks that a run takes whatever happens.
+fn fewest_blocks(budget: &Budget) -> u64 {
+    if budget.time.is_some() { 2 } else { BLOCKS.min(budget.samples_per_pixel) }
+}
+
 /// Samples per pixel of the next block.
 fn block_size(budget: &Budget, taken: u64, block: u64) -> u64 {
     if budget.time.is_some() {
         return (taken / GROWTH).clamp(1, u64::from(u32::MAX));
     }
     // Of as equal size as whole numbers allow.
-    let blocks = BLOCKS.min(budget.samples_per_pixel);
+    let blocks = fewest_blocks(budget);
     let upto =
         |block: u64| (u128::from(budget.samples_per_pixel) * u128::from(block) / u128::from(blocks)) as u64;
     (upto(block + 1) - upto(block)).min(u64::from(u32::MAX))
