@@ -117,9 +117,17 @@ fn glass_that_is_a_mirror_at_some_wavelengths() {
     json["materials"]["glass"] = json!({ "dielectric": { "index": index, "roughness_alpha": 0.2 } });
     let slab = json!({ "shape": { "box": { "min": [-0.6, 0.3, -0.5], "max": [0.6, 1.9, -0.4] } }, "material": "glass" });
     json["objects"].as_array_mut().expect("objects").push(slab);
-    // Its lobes are narrow and light through them is rare; taking them for direct light loses a
-    // quarter of the picture.
-    assert_agree_within(&json, 768, 96, 192, 0.04);
+    // Two lines, on either side: between them lobes are so narrow that they are hardly found.
+    for object in json["objects"].as_array_mut().expect("objects") {
+        if object["emission"].is_object() {
+            let lines = [500.0, 620.0].map(|nm| json!({ "wavelength_nm": nm, "power": 1.0 }));
+            object["emission"]["spectrum"] = json!({ "lines": { "lines": lines } });
+        }
+    }
+    // Surfaces that may be smooth count as stops of a walk even where they are: light that comes
+    // through the slab twice is rare among fresh paths, and the pictures are noisy. Taking what is
+    // blurred for direct light loses a quarter of them.
+    assert_agree_within(&json, 384, 96, 192, 0.04);
 }
 
 /// Standard errors are what pictures of other seeds scatter by: sums over pixels of both
