@@ -8,7 +8,7 @@
 //!
 //! Neither family is best everywhere, and which one is cannot be told from the scene. Relative mean
 //! squared error times processor seconds, over that of the mix (`reference/`, 48 x 36 pixels,
-//! 700 mutations per pixel, 8 seeds, 2026-11-22; the pool's figures are uncertain by half):
+//! 700 mutations per pixel, 8 seeds, 2026-11-22; one measurement, the pool's figures uncertain by half):
 //!
 //! | mutations | door ajar | bulb in glass | pool |
 //! |---|---|---|---|

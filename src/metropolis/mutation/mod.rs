@@ -149,9 +149,8 @@ impl<'w, 'a> Mutator<'w, 'a> {
             Mutation::Fresh => self.fresh(y, numbers).map(|()| y.ln_estimate() - x.ln_estimate()),
             Mutation::Bidirectional => self.bidirectional(x, y, numbers),
             Mutation::LensSubpath => self.lens_subpath(x, y, numbers),
-            Mutation::Lens => self.lens(x, y, numbers),
+            Mutation::Lens | Mutation::MultiChain => self.lens(x, y, numbers),
             Mutation::Caustic => self.caustic(x, y, numbers),
-            Mutation::MultiChain => self.multi_chain(x, y, numbers),
             Mutation::Wavelength => self.wavelength(x, y, numbers),
             Mutation::Primary => self.primary(x, y, numbers),
         };

@@ -30,12 +30,8 @@ pub(super) fn joint_beyond(path: &Path, from: usize) -> Option<usize> {
 }
 
 impl Mutator<'_, '_> {
+    /// Lens and multi-chain mutation: which of them it is follows from the path.
     pub(super) fn lens(&mut self, x: &Path, y: &mut Path, numbers: &mut Numbers) -> Option<f64> {
-        y.copy_nodes(x);
-        self.moved_from_eye(x, y, Amount::Steps, numbers)
-    }
-
-    pub(super) fn multi_chain(&mut self, x: &Path, y: &mut Path, numbers: &mut Numbers) -> Option<f64> {
         y.copy_nodes(x);
         self.moved_from_eye(x, y, Amount::Steps, numbers)
     }
