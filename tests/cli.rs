@@ -179,6 +179,8 @@ faults! {
     obj_bad_index: "bad-index.obj:5:1", "/objects/0/shape/obj/file", "the face names vertex 4, but there are 3 vertices", "check the mesh";
     obj_empty: "empty.obj", "/objects/0/shape/obj/file", "the file holds no face", "check the mesh";
     level_luminance_of_a_point: ":19:81", "/lights/0/point/emission/level/luminance_cd_m2", "luminance_cd_m2 describes a surface", "give flux_lm";
+    profile_lists_unequal: ":19:111", "/lights/0/point/distribution/profile/relative_intensity", "2 angles and 3 intensities", "angles_deg";
+    profile_angles_fall: ":19:88", "/lights/0/point/distribution/profile/angles_deg", "do not rise within 0 to 180 degrees", "angles_deg";
     level_intensity_of_a_box: ":15:49", "/objects/0/emission/level/intensity_cd", "depends on the direction", "give flux_lm";
     level_negative: ":15:49", "/objects/0/emission/level/flux_lm", "-1 is not a finite number from 0 up", "from 0 up";
     level_too_bright: ":15:49", "/objects/0/emission/level/luminance_cd_m2", "too bright for 32-bit numbers", "check the unit";

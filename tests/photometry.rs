@@ -89,6 +89,23 @@ fn lamps_of_every_shape_agree_on_a_hundred_lumens() {
     assert_reads("cosine point", &read_one(&scene, 1 << 16), flat, 1e-3);
 }
 
+/// Intensity is the table's, linear between its angles; the flux of a cone that falls linearly
+/// from 1 at the axis to 0 at the angle a is 2 pi (1 - sin(a) / a) times the largest.
+#[test]
+fn a_profile_lights_as_its_table_says() {
+    let cone_sr = std::f64::consts::TAU * (1.0 - 1.0 / std::f64::consts::FRAC_PI_2);
+    for (angle, relative) in [(0.0, 1.0), (30.0, 2.0 / 3.0), (72.0, 0.2), (89.0, 1.0 / 90.0), (100.0, 0.0)] {
+        let profile = json!([{ "point": { "position": [0, 0, 0], "distribution": { "profile": {
+            "axis": [0, 2, 0], "angles_deg": [0, 90], "relative_intensity": [5, 0] } },
+            "emission": lamp(json!({ "flux_lm": 100 })) } }]);
+        let (sin, cos) = f64::to_radians(angle).sin_cos();
+        let meter = illuminance([2.0 * sin, 2.0 * cos, 0.0], [-sin, -cos, 0.0]);
+        let scene = metered(json!({}), json!([]), profile, meter);
+        let truth = 100.0 / cone_sr * relative / 4.0;
+        assert_reads(&format!("{angle} degrees"), &read_one(&scene, 1 << 14), truth, 1e-3);
+    }
+}
+
 #[test]
 fn a_white_furnace_shines_as_the_geometric_series_says() {
     for albedo in [0.0, 0.5, 0.9, 0.99] {

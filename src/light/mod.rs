@@ -15,12 +15,14 @@ mod cone;
 mod hierarchy;
 mod point;
 pub mod power;
+mod profile;
 mod split;
 
 pub use area::AreaLight;
 pub use choose::Lights;
 pub use point::{Distribution, PointLight};
 pub use power::EmitterFacts;
+pub use profile::Profile;
 
 use self::cluster::Cluster;
 use crate::geometry::{Geometry, Ray, SurfacePoint};

@@ -2,6 +2,7 @@
 
 use super::cluster::Cluster;
 use super::cone::Cone;
+use super::profile::Profile;
 use super::{EmittedRay, LightSample};
 use crate::geometry::{Bounds, SurfacePoint};
 use crate::sampler::inverse::{turn, unit};
@@ -10,20 +11,23 @@ use glam::{DVec3, Vec3A};
 use std::f64::consts::{PI, TAU};
 
 /// How intensity depends on direction, relative to its largest value.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Distribution {
     /// The same in every direction.
     Isotropic,
     /// The cosine from a unit axis, dark behind.
     Cosine(Vec3A),
+    /// Tabulated over the angle from an axis.
+    Profile(Profile),
 }
 
 impl Distribution {
     /// Flux over largest intensity, in sr.
-    pub const fn solid_angle_sr(&self) -> f64 {
+    pub fn solid_angle_sr(&self) -> f64 {
         match self {
             Self::Isotropic => 4.0 * PI,
             Self::Cosine(_) => PI,
+            Self::Profile(profile) => profile.solid_angle_sr(),
         }
     }
 
@@ -32,16 +36,21 @@ impl Distribution {
         match self {
             Self::Isotropic => 1.0,
             Self::Cosine(axis) => axis.dot(direction).max(0.0),
+            Self::Profile(profile) => profile.towards(direction),
         }
     }
 
     /// A direction with density in proportion to the intensity, from two numbers in [0, 1).
     fn sample(&self, [u, v]: [f32; 2]) -> Vec3A {
-        let (axis, height) = match self {
-            Self::Isotropic => (DVec3::Z, 1.0 - 2.0 * f64::from(u)),
-            Self::Cosine(axis) => (axis.as_dvec3(), (1.0 - f64::from(u)).sqrt()),
+        let around = |height: f64| [height, ((1.0 - height) * (1.0 + height)).max(0.0).sqrt()];
+        let (axis, [height, across]) = match self {
+            Self::Isotropic => (DVec3::Z, around(1.0 - 2.0 * f64::from(u))),
+            Self::Cosine(axis) => (axis.as_dvec3(), around((1.0 - f64::from(u)).sqrt())),
+            Self::Profile(profile) => {
+                let (sin, cos) = profile.angle_at(f64::from(u)).sin_cos();
+                (profile.axis(), [cos, sin])
+            }
         };
-        let across = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
         let (tangent, bitangent) = axis.any_orthonormal_pair();
         let (sin, cos) = (TAU * f64::from(v)).sin_cos();
         (axis * height + (tangent * cos + bitangent * sin) * across).normalize().as_vec3a()
@@ -52,8 +61,11 @@ impl Distribution {
         let axis = match self {
             Self::Isotropic => DVec3::Z,
             Self::Cosine(axis) => axis.as_dvec3(),
+            Self::Profile(profile) => profile.axis(),
         };
         let (tangent, bitangent) = axis.any_orthonormal_pair();
+        let u_profile =
+            if let Self::Profile(profile) = self { profile.share_within(direction)? } else { 0.0 };
         let direction = direction.as_dvec3().normalize();
         let (x, y, height) = (direction.dot(tangent), direction.dot(bitangent), direction.dot(axis));
         let across2 = x * x + y * y;
@@ -63,6 +75,7 @@ impl Distribution {
             Self::Isotropic => 0.5 * (1.0 - height),
             Self::Cosine(_) if height > 0.0 => across2,
             Self::Cosine(_) => return None,
+            Self::Profile(_) => u_profile,
         };
         Some([unit(u), unit(turn(x, y))])
     }
@@ -120,11 +133,39 @@ impl PointLight {
     pub(super) fn cluster(&self, power: f64) -> Cluster {
         Cluster {
             bounds: Bounds { min: self.position, max: self.position },
-            normals: match self.distribution {
-                Distribution::Isotropic => Cone::ALL,
+            normals: match &self.distribution {
+                // A cone of normals stands for a cosine about each; a profile need not fall so.
+                Distribution::Isotropic | Distribution::Profile(_) => Cone::ALL,
                 Distribution::Cosine(axis) => Cone::along(axis.as_dvec3(), false),
             },
             intensity: power / self.distribution.solid_angle_sr(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean of 1/p over directions drawn with density p is the solid angle that is lit.
+    #[test]
+    fn directions_fall_as_densely_as_they_say() {
+        let profile = Profile::new(DVec3::X, &[0.0, 40.0, 100.0], &[0.2, 1.0, 0.1]).expect("a sound profile");
+        let lit = TAU * (1.0 - f64::to_radians(100.0).cos());
+        for (distribution, truth) in [
+            (Distribution::Isotropic, 4.0 * PI),
+            (Distribution::Cosine(Vec3A::Y), TAU),
+            (Distribution::Profile(profile), lit),
+        ] {
+            let intensity = Emission::new(crate::spectrum::Dense::Flat(1.0), vec![]);
+            let light = PointLight { position: Vec3A::ZERO, distribution, intensity };
+            const STEPS: u16 = 300;
+            let place = |i: u16| (f32::from(i) + 0.5) / f32::from(STEPS);
+            let draws = (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| [place(i), place(j)]));
+            let sum: f64 = draws.map(|u| 1.0 / light.pdf_emission(light.emit(u).ray.direction)).sum();
+            let mean = sum / f64::from(STEPS).powi(2);
+            // The cosine's 1/p is integrable and unbounded at the horizon.
+            assert!((mean / truth - 1.0).abs() < 0.02, "{mean} against {truth}");
         }
     }
 }

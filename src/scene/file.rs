@@ -349,7 +349,7 @@ pub enum LightFile {
 }
 
 /// How a point light's intensity depends on direction.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DistributionFile {
     /// The same in every direction.
@@ -359,6 +359,16 @@ pub enum DistributionFile {
     Cosine {
         /// Axis, of any length.
         axis: Vector,
+    },
+    /// Measured about an axis: linear in the angle between the given ones, dark beyond them.
+    /// `intensity_cd` is then the largest intensity.
+    Profile {
+        /// Axis, of any length.
+        axis: Vector,
+        /// Angles from the axis in degrees, rising from 0 to 180 at most.
+        angles_deg: Vec<f64>,
+        /// Intensity at each angle, on any scale.
+        relative_intensity: Vec<f64>,
     },
 }
 

@@ -12,7 +12,7 @@ use crate::geometry::{
     Transform,
 };
 use crate::light::power::{self, EmitterShape};
-use crate::light::{AreaLight, Distribution, EmitterFacts, Light, Lights, PointLight};
+use crate::light::{AreaLight, Distribution, EmitterFacts, Light, Lights, PointLight, Profile};
 use crate::spectrum::Emission;
 use glam::{DVec3, Vec3A};
 use std::collections::BTreeMap;
@@ -322,6 +322,11 @@ pub(super) fn lights(
                 let axis =
                     unit_vector(*axis, "axis").map_err(|e| at(e.under("cosine").under("distribution")))?;
                 Distribution::Cosine(axis.as_vec3a())
+            }
+            DistributionFile::Profile { axis, angles_deg, relative_intensity } => {
+                let profile = unit_vector(*axis, "axis")
+                    .and_then(|axis| Profile::new(axis, angles_deg, relative_intensity));
+                Distribution::Profile(profile.map_err(|e| at(e.under("profile").under("distribution")))?)
             }
         };
         if emission.two_sided {
