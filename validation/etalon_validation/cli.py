@@ -80,6 +80,7 @@ def main(arguments=None):
 
 def run_score(chosen):
     """report.json, report.html and one printed line per level."""
+    from .calibration import read_calibration
     from .photograph import read_photograph
     from .regions import read_table
     from .reference import choose_reference
@@ -96,7 +97,7 @@ def run_score(chosen):
     reference["warnings"] += filter(None, [registration_warning(reference["registration"])])
     for warning in reference["warnings"]:
         print(f"warning: {warning}", file=sys.stderr)
-    report, both, levels = score(table, regions, render, reference)
+    report, both, levels = score(table, regions, render, reference, read_calibration(chosen.case), photograph)
     chosen.output.mkdir(parents=True, exist_ok=True)
     write_report(chosen.output, report, table, regions, render, photograph, both, levels)
     for name, level in report["levels"].items():

@@ -13,7 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from .maps import DUV_RANGE, SMOOTHED_PX, STOPS_RANGE, duv_map, gradient, resized, smoothed, stops_map
 from .overlay import display, outlines_svg, spoken
 
-PACKAGES = ("colour-science", "OpenImageIO", "numpy", "scipy", "matplotlib")
+PACKAGES = ("colour-science", "OpenImageIO", "numpy", "scipy", "matplotlib", "scikit-image", "flip-evaluator")
 # Bars in the region table end here.
 BAR_DUV = 0.06
 BAR_STOPS = 1.0
@@ -91,6 +91,11 @@ def fits(report):
     sentence["L3"] = (
         "Matrix on all regions: " + "; ".join(" ".join(f"{value:+.3f}" for value in row) for row in rows)
         + ". Each figure below comes from a matrix fitted without that region's surface. Images and maps use the matrix on all regions."
+    )
+    veil = report["levels"]["L4"]["fitted"]
+    sentence["L4"] = (
+        f"Veiling glare of {100 * veil['glare_share']:.2g} % of the light, and gains R, G, B: " + ", ".join(f"{gain:.3g}" for gain in veil["gains"])
+        + ". Each figure below comes from a fit without that region's surface. Images and maps use the fit on all regions."
     )
     return sentence
 
