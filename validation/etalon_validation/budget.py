@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .calibration import PATTERNS
 from .difference import chromaticity, delta_e_2000, delta_e_itp, duv
-from .ladder import parameters, predict
+from .ladder import predict
 from .regions import CORRELATED_PIXELS
 
 # Draws behind each interval, and their seed: intervals are reproducible.
@@ -32,9 +33,14 @@ class Cause:
     kind: str
     declared_u: float | None
     degrees_of_freedom: float | None
-    removed_by: str | None
     source: str
     disturb: object
+    pattern: str | None = None
+
+    @property
+    def removed_by(self):
+        """The first level of the ladder that takes the cause up; None where none does."""
+        return PATTERNS[self.pattern] if self.pattern else None
 
 
 def noise(generator, shape, freedom=None):
@@ -67,12 +73,12 @@ def measured(both, calibration):
         return render, photo + np.einsum("dnk,nkc->dnc", moved, both.shift)
 
     found = [
-        Cause("render noise", "A", None, None, None, "standard error of the pixels, taken as independent; channels as correlated as neighbouring pixels show", render_noise),
-        Cause("photograph noise", "A", None, float(np.round(np.median(readings))), None, "spread within the region, shot noise and shading included; 3 x 3 pixels count as one", photo_noise),
-        Cause("registration", "A" if calibration.place_freedom else "B", None, calibration.place_freedom, None, f"{calibration.place_px:.2f} px per axis ({calibration.place_source}), one shift per region, along gradients of {both.shift_from}", place),
+        Cause("render noise", "A", None, None, "standard error of the pixels, taken as independent; channels as correlated as neighbouring pixels show", render_noise),
+        Cause("photograph noise", "A", None, float(np.round(np.median(readings))), "spread within the region, shot noise and shading included; 3 x 3 pixels count as one", photo_noise),
+        Cause("registration", "A" if calibration.place_freedom else "B", None, calibration.place_freedom, f"{calibration.place_px:.2f} px per axis ({calibration.place_source}), one shift per region, along gradients of {both.shift_from}", place),
     ]
     if both.quantisation.any():
-        found.insert(2, Cause("quantisation", "B", None, None, None, "rounding to integer codes, rectangular", rounding))
+        found.insert(2, Cause("quantisation", "B", None, None, "rounding to integer codes, rectangular", rounding))
     return found
 
 
@@ -104,7 +110,7 @@ def declared(component, both, surfaces):
         mixing = component.u * noise(generator, (d, 3, 3), component.degrees_of_freedom) * (1 - np.eye(3))
         return render + np.einsum("dij,dnj->dni", mixing * typical[:, None] / typical[None, :], render), photo
 
-    return Cause(component.name, component.kind, component.u, component.degrees_of_freedom, component.removed_by, component.source, disturb)
+    return Cause(component.name, component.kind, component.u, component.degrees_of_freedom, component.source, disturb, component.pattern)
 
 
 def drawn(both, some, draws=DRAWS):
@@ -121,11 +127,10 @@ def drawn(both, some, draws=DRAWS):
 
 @dataclass(frozen=True)
 class Spread:
-    """Draws of one level: predicted and photographed XYZ (d, n, 3), and the parameters fitted on all regions."""
+    """Draws of one level: predicted and photographed XYZ (d, n, 3)."""
 
     predicted: np.ndarray
     photo: np.ndarray
-    parameters: dict
 
     @property
     def log_ratio(self):
@@ -146,8 +151,7 @@ def positive(values):
 def spread(name, both, setting, sides):
     """The draws of a level, fitted anew for each."""
     render, photo = sides
-    predicted = predict(name, render, photo, setting)
-    return Spread(predicted @ both.to_xyz.T, photo @ both.to_xyz.T, parameters(name, render, photo, setting, setting.fit))
+    return Spread(predict(name, render, photo, setting) @ both.to_xyz.T, photo @ both.to_xyz.T)
 
 
 def percentiles(draws, shares):
@@ -184,14 +188,17 @@ def table(name, both, setting, all_causes, counted):
     rows = []
     for cause in [*all_causes, None]:
         level = spread(name, both, setting, drawn(both, [cause] if cause else all_causes))
-        brightness = deviation(level.log_ratio[:, counted])
-        colour = np.sqrt((deviation(level.uv_step[:, counted]) ** 2).sum(axis=-1))
+        log_ratio, step = level.log_ratio[:, counted], level.uv_step[:, counted]
+        brightness, colour = deviation(log_ratio), np.sqrt((deviation(step) ** 2).sum(axis=-1))
         rows.append({
             "component": cause.name if cause else "all together", "kind": cause.kind if cause else None,
             "declared_relative_u": cause.declared_u if cause else None, "degrees_of_freedom": cause.degrees_of_freedom if cause else None,
-            "removed_by": cause.removed_by if cause else None, "source": cause.source if cause else "drawn together, fits made anew in each draw",
+            "pattern": cause.pattern if cause else None, "removed_by": cause.removed_by if cause else None, "source": cause.source if cause else "drawn together, fits made anew in each draw",
             "luminance_u": summary(brightness), "luminance_u_largest": summary(brightness, np.max), "duv_u": summary(colour),
         })
+    low, high = interval(log_ratio)
+    radius = percentiles(np.linalg.norm(step - np.nanmedian(np.where(np.isfinite(step), step, 0), axis=0), axis=-1), TAILS[1] - TAILS[0])
+    rows[-1] |= {"luminance_expanded_95": summary((high - low) / 2), "duv_expanded_95": summary(radius)}
     return rows
 
 

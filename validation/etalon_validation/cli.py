@@ -81,6 +81,7 @@ def main(arguments=None):
 def run_score(chosen):
     """report.json, report.html and one printed line per level."""
     from .calibration import read_calibration
+    from .perceptual import inside_box
     from .photograph import read_photograph
     from .regions import read_table
     from .reference import choose_reference
@@ -97,7 +98,7 @@ def run_score(chosen):
     reference["warnings"] += filter(None, [registration_warning(reference["registration"])])
     for warning in reference["warnings"]:
         print(f"warning: {warning}", file=sys.stderr)
-    report, both, levels = score(table, regions, render, reference, read_calibration(chosen.case), photograph)
+    report, both, levels = score(table, regions, render, reference, read_calibration(chosen.case), photograph, inside_box(chosen.case, table.size))
     chosen.output.mkdir(parents=True, exist_ok=True)
     write_report(chosen.output, report, table, regions, render, photograph, both, levels)
     for name, level in report["levels"].items():

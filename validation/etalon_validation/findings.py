@@ -28,7 +28,24 @@ def finding(topic, settled, text):
 
 def percent(value):
     """A share as a percentage of two digits."""
-    return f"{100 * value:.2g} %"
+    return f"{float(f'{100 * value:.2g}'):g} %"
+
+
+def known_to(u):
+    """A relative standard uncertainty in words; as a factor where a percentage would mislead."""
+    return percent(u) if u < 0.25 else f"a factor of {np.exp(u):.2g}"
+
+
+def calibration_error(levels, calibration):
+    """The exposure fitted at L1, which is the error of the calibration as a whole, beside how well that was known."""
+    fitted = levels["L1"]["fitted"]
+    declared = any(component.pattern == "level" for component in calibration.components)
+    known = calibration.find("level") / np.log(2) if declared else None
+    return {
+        "exposure_stops": fitted["exposure_stops"], "exposure_stops_95": fitted["exposure_stops_95"],
+        "exposure_factor": fitted["exposure_factor"], "declared_u_stops": None if known is None else round(known, 4),
+        "within_declared": None if known is None else bool(abs(fitted["exposure_stops"]) <= COVERAGE * np.hypot(known, fit_u(fitted))),
+    }
 
 
 def listed(names):
@@ -45,16 +62,17 @@ def exposure(levels, calibration):
     if not parts:
         return finding("exposure", False, f"{removed}; no uncertainty of lamp level and exposure is declared, so that whether this is an error of the calibration or of the render is not settled.")
     known = calibration.find("level") / np.log(2)
-    names = listed([f"{component.name} ({percent(component.u)})" for component in parts])
+    names = listed([f"{component.name} ({known_to(component.u)})" for component in parts])
     total = np.hypot(known, fit_u(fitted))
+    against = f"{removed}. Known beforehand, as a standard uncertainty: {names}, together {known:.2f} stops"
     if abs(stops) <= COVERAGE * total:
-        return finding("exposure", False, f"{removed}; {names} are known to {known:.2f} stops together (standard): the difference is within it, and shows no error of the render. Nor does it show that there is none.")
-    return finding("exposure", True, f"{removed}; {names} are known to {known:.2f} stops together (standard): the difference is outside it, at {abs(stops) / total:.1f} u. Scene, render or the declared calibration is wrong.")
+        return finding("exposure", False, f"{against}. The difference is within it: it shows no error of the render, nor that there is none.")
+    return finding("exposure", True, f"{against}. The difference is outside it, at {abs(stops) / total:.1f} u: scene, render or the declared calibration is wrong.")
 
 
 def fit_u(fitted):
-    """Standard uncertainty in stops of the exposure between surfaces, which holds no calibration."""
-    low, high = fitted["exposure_stops_95_surfaces"]
+    """Standard uncertainty in stops of the fitted exposure."""
+    low, high = fitted["exposure_stops_95"]
     return (high - low) / 2 / COVERAGE
 
 
@@ -62,11 +80,11 @@ def colour(levels, calibration):
     """Whether chromaticity is evidence below the level that fits a matrix, and luminance across a tone curve."""
     mixture, tone = calibration.find("mixture"), calibration.find("tone")
     if mixture:
-        row = next(row for row in levels["L2"]["budget"] if row["removed_by"] == "L3")
+        row = next(row for row in levels["L2"]["budget"] if row["pattern"] == "mixture")
         seen = levels["L2"]["overall"]["mean_duv"]
         yield finding("colour", False, f"The photograph's colour transform is known to mixtures of {percent(mixture)} between channels, which is u'v' {row['duv_u']:.4f} (standard, median); the mean distance at L2 is {seen:.4f}: chromaticity differences at L0 to L2 of that order are not evidence against the render.")
     if tone:
-        row = next(row for row in levels["L1"]["budget"] if row["source"] in [c.source for c in calibration.components if c.pattern == "tone"])
+        row = next(row for row in levels["L1"]["budget"] if row["pattern"] == "tone")
         yield finding("tone", False, f"The photograph's tone curve is known to {percent(tone)} in its exponent, which leaves {percent(row['luminance_u'])} in luminance at L1 (standard, median) and {percent(row['luminance_u_largest'])} at most: smaller ratios of dark to bright regions are not evidence.")
 
 
@@ -89,7 +107,7 @@ def unremoved(calibration):
     for component in calibration.components:
         if component.removed_by is None and component.pattern != "tone" and component.u >= WORTH_A_SENTENCE:
             across = {"surfaces": "between surfaces", "regions": "between regions", "vignetting": "between middle and corner"}[component.pattern]
-            yield finding("calibration", False, f"{component.name[:1].upper()}{component.name[1:]} ({percent(component.u)}, {component.source}) is removed by no level: differences {across} below {percent(COVERAGE * component.u)} are not evidence against the render.")
+            yield finding("calibration", False, f"{component.name[:1].upper()}{component.name[1:]} ({known_to(component.u)}, standard; {component.source}) is removed by no level: differences {across} below {known_to(COVERAGE * component.u)} are not evidence against the render.")
 
 
 def largest(levels):

@@ -4,24 +4,25 @@ Two scatters disagree when a scene is wrong: that of the data (every draw of the
 budget fitted anew) and that between surfaces (each surface left out in turn).
 The first says how well the fit is known if render and photograph differ by
 nothing else, the second includes that they do. The wider one is the interval.
+What a level fits is measured by it: the declared uncertainty of the lamp's level
+blurs no exposure of L1, it is what that exposure is held against.
 """
 
 import numpy as np
 from scipy.stats import t
 
-from .budget import interval
-from .ladder import parameters, rounded
+from .budget import drawn, interval
+from .ladder import HOLDS, parameters, rounded
 
 # Share of an interval.
 SHARE = 0.95
 
 
-def parameter_intervals(name, both, setting, draws):
-    """{parameter_95, parameter_95_budget, parameter_95_surfaces} for each parameter of a level.
-
-    `draws` are the parameters fitted to each draw of the budget.
-    """
+def parameter_intervals(name, both, setting, all_causes):
+    """{parameter_95, parameter_95_budget, parameter_95_surfaces} for each parameter of a level."""
     found = {}
+    blurring = [cause for cause in all_causes if cause.removed_by not in HOLDS[name]]
+    draws = parameters(name, *drawn(both, blurring), setting, setting.fit)
     best = parameters(name, both.render, both.photo, setting, setting.fit)
     between = half_widths(name, both, setting)
     for key, value in best.items():

@@ -29,13 +29,18 @@ NAMES = {
 }
 # Levels that predict a region from the other surfaces alone.
 HELD_OUT = ("L3", "L4")
+# Levels whose freedom a level holds: what they take up is measured by its fit and does not blur it.
+HOLDS = {"L0": (), "L1": ("L1",), "L2": ("L1", "L2"), "L3": ("L1", "L2", "L3"), "L4": ("L1", "L2", "L4")}
 # How far an entry of the matrix is expected from the channel gains, in units of them: neighbouring channels of
 # cameras differ by mixtures of about a tenth.
 EXPECTED_MIXTURE = 0.1
 # Middle and half width of the search for veiling glare over direct light. It goes below zero, where no glare is,
 # so that an estimate near none is not pushed up.
 GLARE_MIDDLE, GLARE_REACH = 0.2, 0.5
-GLARE_STEPS = np.linspace(-1, 1, 101)
+# Each search looks at so many steps over its reach, the next one around the best of them, down to the last reach.
+GLARE_STEPS = np.linspace(-1, 1, 21)
+GLARE_ZOOM = 8
+GLARE_LAST_REACH = 1e-6
 # A relative ridge that keeps a singular matrix solvable; below rounding for all others.
 RIDGE = 1e-14
 # Draws of dark regions may fall to zero and below, where the logarithm ends.
@@ -142,10 +147,10 @@ def glare_values(render, photo, setting, chosen):
         return (one / (square[..., None, :] + 2 * h * cross[..., None, :] + h**2 * flat[..., None, :])).sum(axis=-1)
 
     middle, reach = np.full(render.shape[:-2], GLARE_MIDDLE), GLARE_REACH
-    while reach > 1e-8:
+    while reach > GLARE_LAST_REACH:
         steps = middle[..., None] + reach * GLARE_STEPS
         middle = np.take_along_axis(steps, explained(steps).argmax(axis=-1)[..., None], axis=-1)[..., 0]
-        middle, reach = np.clip(middle, GLARE_MIDDLE - GLARE_REACH, GLARE_MIDDLE + GLARE_REACH), reach / 25
+        middle, reach = np.clip(middle, GLARE_MIDDLE - GLARE_REACH, GLARE_MIDDLE + GLARE_REACH), reach / GLARE_ZOOM
     h = middle[..., None]
     return (both + h * alone) / (square + 2 * h * cross + h**2 * flat), middle, mean
 

@@ -5,12 +5,16 @@ display, and a picture with the wrong lamp can look right. They are absent
 without the photograph, for a region table has no picture.
 """
 
+from pathlib import Path
+
 import flip_evaluator
 import numpy as np
 from skimage.metrics import structural_similarity
 
+from .layout import Layout
 from .maps import resized
 from .photograph import LINEAR, linear_to_srgb
+from .polygons import mask
 from .regions import NOISE_FLOOR
 
 # SSIM with the windows of its authors (Wang et al. 2004): Gaussian, 1.5 pixels.
@@ -25,13 +29,31 @@ SATURATED = 254.5 / 255
 ABSENT = "the photograph itself is not at hand"
 
 
-def valid_pixels(photograph, predicted):
-    """Pixels that carry a measurement: finite on both sides, neither saturated nor at the photograph's black level."""
+def inside_box(case, size):
+    """Pixels (h, w) of an image of `size` that show a face of the case's layout; None without a layout of that size."""
+    case = Path(case)
+    if not all((case / name).is_file() for name in ("layout.json", "pose.json")):
+        return None
+    layout = Layout(case / "layout.json")
+    if tuple(layout.camera.size) != tuple(size):
+        return None
+    camera, inside = layout.camera, np.zeros((size[1], size[0]), bool)
+    for face in layout.faces.values():
+        if ((face.quad - camera.position) @ camera.look > 0).all():
+            inside |= mask(camera.project(face.quad), size)
+    for polygon in layout.keep_out:
+        inside &= ~mask(polygon, size)
+    return inside if inside.any() else None
+
+
+def valid_pixels(photograph, predicted, inside=None):
+    """Pixels that carry a measurement: inside the scene, finite on both sides, neither saturated nor at the photograph's black level."""
     saturated = getattr(photograph, "saturated", None)
     if saturated is None:
         limit = np.inf if photograph.encoding == LINEAR else SATURATED
         saturated = (linear_to_srgb(photograph.rgb) >= limit).any(axis=-1)
     known = np.isfinite(photograph.rgb).all(axis=-1) & np.isfinite(predicted).all(axis=-1)
+    known = known if inside is None else known & inside
     return known & ~np.asarray(saturated, bool) & (photograph.rgb.mean(axis=-1) >= NOISE_FLOOR)
 
 
@@ -62,7 +84,7 @@ def flip(predicted, photo, kind):
     return float(mean)
 
 
-def whole_picture(photograph, both, levels):
+def whole_picture(photograph, both, levels, inside=None):
     """The `picture` entry of the report; with `available` false where there is no photograph."""
     if photograph is None:
         return {"available": False, "reason": ABSENT}
@@ -71,12 +93,13 @@ def whole_picture(photograph, both, levels):
     figures = {}
     for level in levels:
         predicted = level.apply(channels)
-        valid = valid_pixels(photograph, predicted)
+        valid = valid_pixels(photograph, predicted, inside)
         found = {"nrmse": nrmse(predicted, photograph.rgb, valid), "ssim": ssim(predicted, photo)}
         found |= {"flip_ldr": flip(predicted, photo, "LDR"), "flip_hdr": flip(predicted, photo, "HDR")}
         figures[level.name] = {key: value if value is None else round(value, 5) for key, value in found.items()}
     return {
         "available": True, "levels": figures, "valid_pixels": int(valid.sum()), "valid_share": round(float(valid.mean()), 5),
+        "inside_box": inside is not None,
         "ssim_sigma_px": SSIM_SIGMA_PX, "flip_pixels_per_degree": FLIP_PIXELS_PER_DEGREE,
         "flip_hdr_stops": list(FLIP_STOPS), "flip_hdr_exposures": FLIP_EXPOSURES, "flip_hdr_tonemapper": "ACES",
     }

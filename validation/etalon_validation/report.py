@@ -42,6 +42,7 @@ def write_report(folder, report, table, regions, render, photograph, both, level
     engine = Environment(loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     engine.filters["fixed"] = lambda value, digits: "–" if value is None else f"{value:.{digits}f}"
     engine.filters["spoken"] = spoken
+    engine.filters["range"] = lambda ends, pattern: "–" if not ends or None in ends else f"{pattern % ends[0]} to {pattern % ends[1]}".replace("-", "−")
     engine.filters["stops"] = lambda ratio: np.log2(ratio) if ratio and ratio > 0 else None
     page = engine.get_template("report.html.jinja").render(
         report=report, images=images(table, render, photograph, both, levels),

@@ -12,7 +12,7 @@ from .calibration import PATTERNS
 from .compare import compare
 from .difference import ITP_WHITE_CD_M2, SRGB_TO_XYZ, above_white, chromaticity, delta_e_2000, delta_e_itp, duv
 from .errors import InputError
-from .findings import findings
+from .findings import calibration_error, findings
 from .fitted import parameter_intervals
 from .ladder import EXPECTED_MIXTURE, NAMES, Setting, climb
 from .perceptual import whole_picture
@@ -38,7 +38,7 @@ def score_level(level, both, regions, setting, all_causes, sides):
     draws = spread(level.name, both, setting, sides)
     counted = np.array([not region.dark for region in regions])
     rows, undefined = region_rows(level, both, regions, draws, counted)
-    fitted = level.fitted | parameter_intervals(level.name, both, setting, draws.parameters)
+    fitted = level.fitted | parameter_intervals(level.name, both, setting, all_causes)
     return {
         "title": NAMES[level.name], "fitted": fitted, "verdict": together(rows), "regions": rows, "undefined": undefined,
         "overall": overall(rows, undefined), "budget": budget_table(level.name, both, setting, all_causes, counted),
@@ -128,8 +128,11 @@ def assumptions(both, render, reference, calibration):
     ]
 
 
-def score(table, regions, render, reference, calibration, photograph=None):
-    """The whole report as a JSON object, and the comparison and levels behind it."""
+def score(table, regions, render, reference, calibration, photograph=None, inside=None):
+    """The whole report as a JSON object, and the comparison and levels behind it.
+
+    `inside` (h, w) marks the photograph's pixels that show the scene; None for all of them.
+    """
     both = compare(table, regions, render, reference["encoding"], photograph)
     surfaces = np.array([region.surface for region in regions])
     usable = np.array([not region.dark for region in regions])
@@ -140,11 +143,11 @@ def score(table, regions, render, reference, calibration, photograph=None):
     all_causes = causes(both, surfaces, calibration)
     sides = drawn(both, all_causes)
     scored = {level.name: score_level(level, both, regions, setting, all_causes, sides) for level in levels}
-    picture = whole_picture(photograph, both, levels)
+    picture = whole_picture(photograph, both, levels, inside)
     record = render.record
     report = {
         "scene": record.get("scene"), "scene_hash": record.get("scene_hash"), "reference": reference,
-        "levels": scored, "findings": findings(scored, calibration, picture), "picture": picture,
+        "calibration_error": calibration_error(scored, calibration), "levels": scored, "findings": findings(scored, calibration, picture), "picture": picture,
         "calibration": {
             "declared": calibration.declared, "draws": DRAWS, "place_px": number(calibration.place_px, 4),
             "components": [{"name": c.name, "pattern": c.pattern, "relative_standard_uncertainty": c.u, "kind": c.kind, "degrees_of_freedom": c.degrees_of_freedom, "removed_by": PATTERNS[c.pattern], "source": c.source} for c in calibration.components],
