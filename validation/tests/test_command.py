@@ -89,6 +89,8 @@ class Command(unittest.TestCase):
         self.assertEqual(self.score()[0], 0)
         report = self.report()
         self.assertTrue(report["calibration_error"]["within_declared"])
+        low, high = report["calibration_error"]["exposure_stops_95"]
+        self.assertLess(high - low, 0.1, "the lamp's level is what the exposure is held against, it does not blur it")
         self.assertEqual(report["levels"]["L0"]["verdict"]["verdict"], "cannot be settled")
         self.assertEqual(report["levels"]["L1"]["verdict"]["verdict"], "agrees within uncertainty")
         sentence = next(entry for entry in report["findings"] if entry["topic"] == "exposure")
