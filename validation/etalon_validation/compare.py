@@ -109,7 +109,7 @@ def per_pixel_shift(values, masks, scale):
 
 def code_step(photo, encoding):
     """Standard uncertainty (n, 3) that rounding to integer codes leaves in one pixel; zero for floating values."""
-    bits = re.match(r"(\d+)-bit", encoding)
+    bits = re.match(r"(\d+)-bit.*sRGB", encoding)
     if not bits:
         return np.zeros_like(photo)
     code = 1 / (2 ** int(bits.group(1)) - 1)

@@ -99,7 +99,7 @@ def whole_picture(photograph, both, levels, inside=None):
         figures[level.name] = {key: value if value is None else round(value, 5) for key, value in found.items()}
     return {
         "available": True, "levels": figures, "valid_pixels": int(valid.sum()), "valid_share": round(float(valid.mean()), 5),
-        "inside_box": inside is not None,
+        "inside_box": inside is not None, "perceptual": ["ssim", "flip_ldr", "flip_hdr"],
         "ssim_sigma_px": SSIM_SIGMA_PX, "flip_pixels_per_degree": FLIP_PIXELS_PER_DEGREE,
         "flip_hdr_stops": list(FLIP_STOPS), "flip_hdr_exposures": FLIP_EXPOSURES, "flip_hdr_tonemapper": "ACES",
     }

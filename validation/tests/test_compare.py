@@ -9,7 +9,7 @@ import numpy as np
 
 from etalon_validation.calibration import UNKNOWN_PLACE_PX, placement
 from etalon_validation.compare import per_pixel_shift, quantisation, shared_noise
-from etalon_validation.photograph import srgb_to_linear
+from etalon_validation.photograph import ASSUMED_SRGB, srgb_to_linear
 
 from .world import pixels
 
@@ -47,8 +47,8 @@ class Compare(unittest.TestCase):
     def test_rounding_leaves_a_code_over_root_twelve_and_less_where_noise_dithers(self):
         photo, pixels_in = np.array([[srgb_to_linear(100 / 255)] * 3]), np.array([900])
         step = (srgb_to_linear(101 / 255) - srgb_to_linear(100 / 255)) / np.sqrt(12)
-        np.testing.assert_allclose(quantisation(photo, np.zeros((1, 3)), pixels_in, "8-bit, encoding assumed"), step, rtol=1e-9)
-        np.testing.assert_allclose(quantisation(photo, np.full((1, 3), 0.1), pixels_in, "8-bit, encoding assumed"), step / 10, rtol=1e-9)
+        np.testing.assert_allclose(quantisation(photo, np.zeros((1, 3)), pixels_in, ASSUMED_SRGB), step, rtol=1e-9)
+        np.testing.assert_allclose(quantisation(photo, np.full((1, 3), 0.1), pixels_in, ASSUMED_SRGB), step / 10, rtol=1e-9)
         self.assertFalse(quantisation(photo, np.zeros((1, 3)), pixels_in, "linear").any())
 
     def test_place_is_as_uncertain_as_a_fit_of_as_many_points_leaves_it(self):
