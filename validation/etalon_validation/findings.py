@@ -92,6 +92,8 @@ def veil(levels):
     """What the fitted glare shows."""
     fitted = levels["L4"]["fitted"]
     share, (low, high) = fitted["glare_share"], fitted["glare_share_95"]
+    if None in (share, low, high):
+        return finding("glare", False, "L4 finds no veiling glare to speak of: the fit is not determined.")
     said = f"L4 fits veiling glare of {percent(share)} of the light (95 %: {percent(low)} to {percent(high)})"
     if fitted["glare_at_limit"]:
         return finding("glare", False, f"{said}, the end of its search: the photograph does not differ from the render by a uniform veil.")

@@ -67,7 +67,7 @@ class Setting:
         """The setting of region means (n, 3); regions without light on one side are not fitted."""
         photo_y, render_y = photo @ luminance, render @ luminance
         fit = usable & (photo_y > 0) & (render_y > 0)
-        return cls(luminance, np.asarray(surfaces), fit, 1 / np.maximum(photo_y, 1e-6), mean_picture / render[fit].mean(axis=0))
+        return cls(luminance, np.asarray(surfaces), fit, 1 / np.maximum(photo_y, 1e-6), mean_picture / np.maximum(render[fit].mean(axis=0), FAINT))
 
 
 @dataclass(frozen=True)
@@ -99,9 +99,9 @@ def exposure(render, photo, setting, chosen):
 
 
 def gain_values(render, photo, weights):
-    """One factor per channel by weighted least squares, (..., 3)."""
+    """One factor per channel by weighted least squares, (..., 3); zero where the render has no light."""
     squared = (weights**2)[:, None]
-    return (squared * render * photo).sum(axis=-2) / (squared * render**2).sum(axis=-2)
+    return (squared * render * photo).sum(axis=-2) / np.maximum((squared * render**2).sum(axis=-2), FAINT**2)
 
 
 def gains(render, photo, setting, chosen):
@@ -144,7 +144,7 @@ def glare_values(render, photo, setting, chosen):
         """The part of the photograph's squares that the best gains explain."""
         h = share[..., None]
         one = (both[..., None, :] + h * alone[..., None, :]) ** 2
-        return (one / (square[..., None, :] + 2 * h * cross[..., None, :] + h**2 * flat[..., None, :])).sum(axis=-1)
+        return (one / np.maximum(square[..., None, :] + 2 * h * cross[..., None, :] + h**2 * flat[..., None, :], FAINT**2)).sum(axis=-1)
 
     middle, reach = np.full(render.shape[:-2], GLARE_MIDDLE), GLARE_REACH
     while reach > GLARE_LAST_REACH:
@@ -152,7 +152,7 @@ def glare_values(render, photo, setting, chosen):
         middle = np.take_along_axis(steps, explained(steps).argmax(axis=-1)[..., None], axis=-1)[..., 0]
         middle, reach = np.clip(middle, GLARE_MIDDLE - GLARE_REACH, GLARE_MIDDLE + GLARE_REACH), reach / GLARE_ZOOM
     h = middle[..., None]
-    return (both + h * alone) / (square + 2 * h * cross + h**2 * flat), middle, mean
+    return (both + h * alone) / np.maximum(square + 2 * h * cross + h**2 * flat, FAINT**2), middle, mean
 
 
 def glare(render, photo, setting, chosen):

@@ -46,7 +46,8 @@ class Command(unittest.TestCase):
     def test_scoring_recovers_the_planted_exposure(self):
         code, out, err = self.score("--photo", str(self.folder / "photo.exr"))
         self.assertEqual((code, err), (0, ""))
-        self.assertEqual([line[:2] for line in out.splitlines()], ["L0", "L1", "L2", "L3", "L4"])
+        self.assertEqual([line[:2] for line in out.splitlines() if line.startswith("L")], ["L0", "L1", "L2", "L3", "L4"])
+        self.assertIn("exposure fitted at L1): +0.70 stops", out)
         report = self.report()
         self.assertAlmostEqual(report["levels"]["L1"]["fitted"]["exposure_stops"], 0.7, places=3)
         self.assertAlmostEqual(report["levels"]["L0"]["overall"]["rms_stops"], 0.7, places=3)
@@ -125,6 +126,16 @@ class Command(unittest.TestCase):
                 for key in ("duv", "luminance_ratio", "delta_e_2000", "delta_e_itp", "render_noise", "photo_noise"):
                     self.assertIsInstance(row[key], float)
                 self.assertTrue(row["render_noise_dominates"], "the photograph of this case has no noise")
+
+    def test_a_channel_without_any_light_is_scored_all_the_same(self):
+        """A sodium lamp leaves the blue channel empty on both sides."""
+        self.image[..., 2] = 0
+        write_render(self.folder / "out.exr", self.image / 2**0.7)
+        write_exr(self.folder / "yellow.exr", self.image, ["R", "G", "B"])
+        code, _, err = self.score("--photo", str(self.folder / "yellow.exr"))
+        self.assertEqual(code, 0, err)
+        self.assertAlmostEqual(self.report()["calibration_error"]["exposure_stops"], 0.7, places=3)
+        self.assertEqual(len(self.report()["levels"]["L4"]["regions"]), 9)
 
     def test_the_table_stands_in_for_the_photograph(self):
         self.assertEqual(self.score()[0], 0)
