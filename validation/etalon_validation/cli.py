@@ -101,11 +101,11 @@ def run_score(chosen):
     report, both, levels = score(table, regions, render, reference, read_calibration(chosen.case), photograph, inside_box(chosen.case, table.size))
     chosen.output.mkdir(parents=True, exist_ok=True)
     write_report(chosen.output, report, table, regions, render, photograph, both, levels)
-    error = report["calibration_error"]
-    print(f"calibration error (exposure fitted at L1): {error['exposure_stops']:+.2f} stops, 95 %: {error['exposure_stops_95'][0]:+.2f} to {error['exposure_stops_95'][1]:+.2f}")
     for name, level in report["levels"].items():
         figures = level["overall"]
         print(f"{name} du'v' {show(figures['mean_duv'], 4)}  rms {show(figures['rms_stops'], 3)} stops  dE2000 {show(figures['mean_delta_e_2000'], 2)}  regions: {in_words(level['verdict'])}")
+    error = report["calibration_error"]
+    print(f"calibration error (exposure fitted at L1): {error['exposure_stops']:+.2f} stops, 95 %: {error['exposure_stops_95'][0]:+.2f} to {error['exposure_stops_95'][1]:+.2f}")
 
 
 def in_words(verdict):
