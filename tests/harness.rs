@@ -8,13 +8,24 @@ use std::process::{Command, Output, Stdio};
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// Keys of every report.
-const KEYS: [&str; 6] = ["scene", "reference", "levels", "samples_per_pixel", "seconds", "version"];
+const KEYS: [&str; 10] = [
+    "scene",
+    "reference",
+    "levels",
+    "samples_per_pixel",
+    "seconds",
+    "version",
+    "calibration",
+    "calibration_error",
+    "findings",
+    "picture",
+];
 
 /// Figures of every region at every level.
-const FIGURES: [&str; 4] = ["duv", "luminance_ratio", "delta_e_2000", "pixels"];
+const FIGURES: [&str; 5] = ["duv", "luminance_ratio", "delta_e_2000", "delta_e_itp", "pixels"];
 
 /// The ladder of fits.
-const LEVELS: [&str; 4] = ["L0", "L1", "L2", "L3"];
+const LEVELS: [&str; 5] = ["L0", "L1", "L2", "L3", "L4"];
 
 fn environment() -> Environment {
     Environment::prepare(&VALIDATION).expect("the Python environment can be made")
@@ -70,6 +81,8 @@ fn a_validation_reports_finite_figures_for_every_level() {
         assert!(!report[key].is_null(), "{key}");
     }
     assert_eq!(report["samples_per_pixel"], 2);
+    assert!(report["calibration_error"]["exposure_stops"].is_number());
+    assert_eq!(report["picture"]["available"], false, "the photograph is not at hand");
     let table = read_json(&Path::new(ROOT).join("reference/cornell-photo/regions.json"));
     assert_eq!(report["reference"]["kind"], "region_table");
     assert_eq!(report["reference"]["sha256"], table["photo"]["sha256"]);
@@ -90,6 +103,12 @@ fn a_validation_reports_finite_figures_for_every_level() {
             }
         }
         assert!(report["levels"][level]["fitted"].is_object(), "{level}");
+        assert!(report["levels"][level]["verdict"]["verdict"].is_string(), "{level}");
+        let budget = report["levels"][level]["budget"].as_array().expect("a level has a budget");
+        let names: Vec<_> = budget.iter().filter_map(|row| row["component"].as_str()).collect();
+        for component in ["render noise", "photograph noise", "registration", "lamp level", "all together"] {
+            assert!(names.contains(&component), "{level}: {component} is not among {names:?}");
+        }
         for figure in ["mean_duv", "rms_stops", "mean_delta_e_2000", "nrmse"] {
             assert!(report["levels"][level]["overall"][figure].is_number(), "{level} {figure}");
         }

@@ -90,6 +90,8 @@ def main(arguments=None):
 
 def run_score(chosen):
     """report.json, report.html and one printed line per level."""
+    from .calibration import read_calibration
+    from .perceptual import inside_box
     from .photograph import read_photograph
     from .regions import read_table
     from .reference import choose_reference
@@ -106,12 +108,19 @@ def run_score(chosen):
     reference["warnings"] += filter(None, [registration_warning(reference["registration"])])
     for warning in reference["warnings"]:
         print(f"warning: {warning}", file=sys.stderr)
-    report, both, levels = score(table, regions, render, reference)
+    report, both, levels = score(table, regions, render, reference, read_calibration(chosen.case), photograph, inside_box(chosen.case, table.size))
     chosen.output.mkdir(parents=True, exist_ok=True)
     write_report(chosen.output, report, table, regions, render, photograph, both, levels)
     for name, level in report["levels"].items():
         figures = level["overall"]
-        print(f"{name} du'v' {show(figures['mean_duv'], 4)}  rms {show(figures['rms_stops'], 3)} stops  dE2000 {show(figures['mean_delta_e_2000'], 2)}")
+        print(f"{name} du'v' {show(figures['mean_duv'], 4)}  rms {show(figures['rms_stops'], 3)} stops  dE2000 {show(figures['mean_delta_e_2000'], 2)}  regions: {in_words(level['verdict'])}")
+    error = report["calibration_error"]
+    print(f"calibration error (exposure fitted at L1): {error['exposure_stops']:+.2f} stops, 95 %: {error['exposure_stops_95'][0]:+.2f} to {error['exposure_stops_95'][1]:+.2f}")
+
+
+def in_words(verdict):
+    """How many regions differ, agree, or leave it open."""
+    return f"{verdict['differ']} differ, {verdict['agree']} agree, {verdict['unsettled']} unsettled"
 
 
 def show(value, digits):

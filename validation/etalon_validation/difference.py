@@ -20,6 +20,8 @@ WHITE_Y = 1 + 1e-6
 # The white that CIELAB is relative to.
 WHITE_XYZ = SRGB_TO_XYZ.sum(axis=1)
 WHITE_XY = WHITE_XYZ[:2] / WHITE_XYZ.sum()
+# Luminance at which white is taken to be seen for dE ITP, which is absolute: reference white of ITU-R BT.2408, cd/m2.
+ITP_WHITE_CD_M2 = 203.0
 
 
 def chromaticity(xyz):
@@ -52,3 +54,11 @@ def delta_e_2000(first, second):
 def above_white(first, second):
     """Where a luminance is above white, so that CIEDE2000 is no measured colour difference."""
     return (np.asarray(first)[..., 1] > WHITE_Y) | (np.asarray(second)[..., 1] > WHITE_Y)
+
+
+def delta_e_itp(first, second):
+    """dE ITP (ITU-R BT.2124) with Y = 1 seen at `ITP_WHITE_CD_M2`; NaN where a luminance is not positive. Defined above white."""
+    first, second = np.asarray(first, float), np.asarray(second, float)
+    defined = (first[..., 1] > 0) & (second[..., 1] > 0)
+    ictcp = [colour.XYZ_to_ICtCp(np.maximum(xyz, 0) * ITP_WHITE_CD_M2, method="ITU-R BT.2100-2 PQ") for xyz in (first, second)]
+    return np.where(defined, colour.delta_E(*ictcp, method="ITP"), np.nan)

@@ -13,7 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from .maps import DUV_RANGE, SMOOTHED_PX, STOPS_RANGE, duv_map, gradient, resized, smoothed, stops_map
 from .overlay import display, outlines_svg, spoken
 
-PACKAGES = ("colour-science", "OpenImageIO", "numpy", "scipy", "matplotlib")
+PACKAGES = ("colour-science", "OpenImageIO", "numpy", "scipy", "matplotlib", "scikit-image", "flip-evaluator")
 # Bars in the region table end here.
 BAR_DUV = 0.06
 BAR_STOPS = 1.0
@@ -42,6 +42,7 @@ def write_report(folder, report, table, regions, render, photograph, both, level
     engine = Environment(loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     engine.filters["fixed"] = lambda value, digits: "–" if value is None else f"{value:.{digits}f}"
     engine.filters["spoken"] = spoken
+    engine.filters["range"] = lambda ends, pattern: "–" if not ends or None in ends else f"{pattern % ends[0]} to {pattern % ends[1]}".replace("-", "−")
     engine.filters["stops"] = lambda ratio: np.log2(ratio) if ratio and ratio > 0 else None
     page = engine.get_template("report.html.jinja").render(
         report=report, images=images(table, render, photograph, both, levels),
@@ -91,6 +92,11 @@ def fits(report):
     sentence["L3"] = (
         "Matrix on all regions: " + "; ".join(" ".join(f"{value:+.3f}" for value in row) for row in rows)
         + ". Each figure below comes from a matrix fitted without that region's surface. Images and maps use the matrix on all regions."
+    )
+    veil = report["levels"]["L4"]["fitted"]
+    sentence["L4"] = (
+        f"Veiling glare of {100 * veil['glare_share']:.2g} % of the light, and gains R, G, B: " + ", ".join(f"{gain:.3g}" for gain in veil["gains"])
+        + ". Each figure below comes from a fit without that region's surface. Images and maps use the fit on all regions."
     )
     return sentence
 

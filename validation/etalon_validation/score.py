@@ -1,91 +1,25 @@
-"""Scores a render against a photograph or a region table: the content of report.json."""
+"""Scores a render against a photograph or a region table: the content of report.json.
 
-from dataclasses import dataclass
+Each level of the ladder is scored with the same draws of the same budget, so
+that figures of two levels differ by the fit and by nothing else.
+"""
 
 import numpy as np
 
 from . import __version__
-from .difference import SRGB_TO_XYZ, XYZ_TO_SRGB, above_white, delta_e_2000, duv
+from .budget import DRAWS, causes, distance_intervals, drawn, interval, spread, table as budget_table
+from .calibration import PATTERNS
+from .compare import compare
+from .difference import ITP_WHITE_CD_M2, SRGB_TO_XYZ, above_white, chromaticity, delta_e_2000, delta_e_itp, duv
 from .errors import InputError
-from .ladder import EXPECTED_MIXTURE, NAMES, climb
-from .polygons import mask
+from .findings import calibration_error, findings
+from .fitted import parameter_intervals
+from .ladder import EXPECTED_MIXTURE, NAMES, Setting, climb
+from .perceptual import whole_picture
+from .verdict import FALSE_ALARMS, judge, together, verdict
 
-# Draws behind each 95 % interval, and their seed: intervals are reproducible.
-DRAWS = 400
-SEED = 20070711
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Region means of render and photograph in one space of three channels."""
-
-    render: np.ndarray
-    render_error: np.ndarray
-    photo: np.ndarray
-    photo_error: np.ndarray
-    to_xyz: np.ndarray
-    pixels: np.ndarray
-    channels: np.ndarray
-    luminance: np.ndarray
-    noise: np.ndarray
-    notes: tuple
-
-
-def scaled_polygon(region, table, render):
-    """A region's polygon in the pixels of a render that may be larger or smaller than the photograph."""
-    scale = np.array(render.size, float) / np.array(table.size, float)
-    if abs(scale[0] / scale[1] - 1) > 0.005:
-        raise InputError(render.file, f"has {render.size} pixels, the photograph {table.size}", "render at the photograph's aspect ratio")
-    return region.polygon * scale
-
-
-def region_means(values, errors, masks):
-    """Means over each mask and their standard errors, pixels taken as independent."""
-    means = np.array([values[inside].mean(axis=0) for inside in masks])
-    spread = np.array([np.sqrt((errors[inside] ** 2).sum(axis=0)) / inside.sum() for inside in masks])
-    return means, spread
-
-
-def compare(table, regions, render):
-    """Brings render and photograph into one space: the camera's channels if both have them, else linear sRGB."""
-    masks = [mask(scaled_polygon(region, table, render), render.size) for region in regions]
-    for region, inside in zip(regions, masks):
-        if not inside.any():
-            raise InputError(render.file, f'no pixel lies in region "{region.name}"', "render at a higher resolution")
-    xyz, xyz_error = region_means(render.xyz / render.saturation, render.stderr / render.saturation, masks)
-    photo = np.array([region.rgb for region in regions])
-    photo_error = np.array([region.error for region in regions])
-    usable = np.array([not region.dark for region in regions])
-    if usable.sum() < 4:
-        raise InputError(table.path, f"{usable.sum()} regions are bright enough to fit", "measure more regions")
-    pixels = np.array([inside.sum() for inside in masks])
-    noise = xyz_error[:, 1] / np.maximum(xyz[:, 1], 1e-12)
-    if table.space == "camera_rgb" and render.sensor is not None:
-        sensor = np.array([render.sensor[inside].mean(axis=0) for inside in masks])
-        scale = xyz[usable, 1].mean() / sensor[usable, 1].mean()
-        # The metric that turns camera channels into XYZ comes from the render alone.
-        weights = 1 / np.maximum(xyz[usable, 1:2], 1e-9)
-        to_xyz = np.linalg.lstsq(scale * sensor[usable] * weights, xyz[usable] * weights, rcond=None)[0].T
-        relative = xyz_error / np.maximum(xyz, 1e-12)
-        notes = (
-            "Compared in camera RGB: render radiance weighted with the camera's sensitivity, scaled so that the mean green value equals the mean luminance over saturation. L0 and L1 stand on this scale.",
-            "u'v', luminance and dE2000 need XYZ: one matrix from camera RGB to XYZ, fitted on the render's own regions without any photograph value, is applied to both sides.",
-        )
-        return Comparison(scale * sensor, scale * sensor * relative, photo, photo_error, to_xyz, pixels, scale * render.sensor, to_xyz[1], noise, notes)
-    notes = ("Compared in linear sRGB with white D65: the photograph's colour encoding is assumed, not known.",)
-    if table.space == "camera_rgb":
-        notes += ("The photograph is camera RGB but the render has no sensor channels: below L3 its chromaticity is not comparable.",)
-    to_rgb = XYZ_TO_SRGB.T
-    return Comparison(
-        xyz @ to_rgb, np.sqrt(xyz_error**2 @ to_rgb**2), photo, photo_error, SRGB_TO_XYZ,
-        pixels, render.xyz / render.saturation @ to_rgb, SRGB_TO_XYZ[1], noise, notes,
-    )
-
-
-def interval(values):
-    """The central 95 % of draws along the first axis, as a list of [low, high] or None."""
-    finite = [column[np.isfinite(column)] for column in values.T]
-    return [[number(end) for end in np.percentile(column, (2.5, 97.5))] if len(column) else None for column in finite]
+# Figures of every row of `regions`.
+FIGURES = ("duv", "luminance_ratio", "delta_e_2000", "delta_e_itp")
 
 
 def number(value, digits=6):
@@ -93,42 +27,62 @@ def number(value, digits=6):
     return round(float(value), digits) if np.isfinite(value) else None
 
 
-def score_level(level, both, regions):
-    """Per-region and overall figures of one level."""
+def ends(values, digits=6):
+    """An interval for JSON, or None where it has no finite ends."""
+    pair = [number(value, digits) for value in values]
+    return None if None in pair else pair
+
+
+def score_level(level, both, regions, setting, all_causes, sides):
+    """Figures, budget and verdicts of one level."""
+    draws = spread(level.name, both, setting, sides)
+    counted = np.array([not region.dark for region in regions])
+    rows, undefined = region_rows(level, both, regions, draws, counted)
+    fitted = level.fitted | parameter_intervals(level.name, both, setting, all_causes)
+    return {
+        "title": NAMES[level.name], "fitted": fitted, "verdict": together(rows), "regions": rows, "undefined": undefined,
+        "overall": overall(rows, undefined), "budget": budget_table(level.name, both, setting, all_causes, counted),
+    }
+
+
+def region_rows(level, both, regions, draws, counted):
+    """A row of figures per region, and apart the regions where a side has no light."""
     predicted, photo = level.predicted @ both.to_xyz.T, both.photo @ both.to_xyz.T
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = predicted[:, 1] / photo[:, 1]
-    distance, difference = duv(predicted, photo), delta_e_2000(predicted, photo)
-    generator = np.random.default_rng(SEED)
-    draws = (DRAWS, *both.photo.shape)
-    noisy_photo = (both.photo + both.photo_error * generator.standard_normal(draws)) @ both.to_xyz.T
-    noisy_render = both.render + both.render_error * generator.standard_normal(draws)
-    noisy = np.einsum("nij,dnj->dni", level.matrices, noisy_render) @ both.to_xyz.T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio_interval = interval(noisy[..., 1] / noisy_photo[..., 1])
-    duv_interval = interval(duv(noisy, noisy_photo))
-    rows, undefined = [], []
-    relative_photo = np.sqrt((both.photo_error**2) @ both.to_xyz[1] ** 2) / np.maximum(photo[:, 1], 1e-12)
+        log_ratio = np.log(np.where(ratio > 0, ratio, np.nan))
+    figures = {"duv": duv(predicted, photo), "luminance_ratio": ratio, "delta_e_2000": delta_e_2000(predicted, photo), "delta_e_itp": delta_e_itp(predicted, photo)}
+    intervals = distance_intervals(draws, both, predicted) | {"luminance_ratio": np.exp(interval(draws.log_ratio)).T}
+    judged = judge(draws, log_ratio, chromaticity(predicted) - chromaticity(photo), counted)
+    relative_photo = np.sqrt(both.photo_error**2 @ both.luminance**2) / np.maximum(photo[:, 1], 1e-12)
     too_bright = above_white(predicted, photo)
+    rows, undefined = [], []
     for index, region in enumerate(regions):
         row = {
             "name": region.name, "surface": region.surface, "pixels": int(both.pixels[index]),
             "photo_linear": [number(value) for value in both.photo[index]],
             "predicted_linear": [number(value) for value in level.predicted[index]],
         }
-        figures = {"duv": number(distance[index]), "luminance_ratio": number(ratio[index]), "delta_e_2000": number(difference[index], 3)}
-        if None in figures.values():
+        found = {key: number(figures[key][index], 3 if key.startswith("delta") else 6) for key in FIGURES}
+        if None in found.values() or not ratio[index] > 0:
             reason = "the photograph" if not photo[index, 1] > 0 else "the render" if not predicted[index, 1] > 0 else "one side"
             undefined.append(row | {"reason": f"{reason} has no light here"})
             continue
-        rows.append(row | figures | {
-            "duv_95": duv_interval[index], "luminance_ratio_95": ratio_interval[index], "above_white": bool(too_bright[index]),
-            "photo_luminance": number(photo[index, 1]),
+        rows.append(row | found | {f"{key}_95": ends(intervals[key][index]) for key in FIGURES} | {
+            "above_white": bool(too_bright[index]), "photo_luminance": number(photo[index, 1]),
             "render_noise": number(both.noise[index]), "photo_noise": number(relative_photo[index]),
             "render_noise_dominates": bool(both.noise[index] > relative_photo[index]),
             "in_overall": not region.dark, "flag": "photograph at its black level" if region.dark else None,
-        })
-    return {"title": NAMES[level.name], "fitted": level.fitted, "regions": rows, "undefined": undefined, "overall": overall(rows, undefined)}
+        } | verdict_of(judged[index], intervals["duv"][index, 1] - figures["duv"][index]))
+    return rows, undefined
+
+
+def verdict_of(judged, duv_radius):
+    """The verdict's keys of a region; all None where it is kept out."""
+    if judged is None:
+        return dict.fromkeys(("verdict", "multiple_of_u", "luminance_multiple_of_u", "chromaticity_multiple_of_u", "luminance_u", "p", "p_adjusted", "difference_matters"))
+    shown = {key: value if isinstance(value, bool) else number(value) for key, value in judged.items()}
+    return {"verdict": verdict(judged, duv_radius)} | shown
 
 
 def overall(rows, undefined):
@@ -151,37 +105,58 @@ def overall(rows, undefined):
         "mean_duv": some(distance, np.mean), "median_duv": some(distance, np.median), "max_duv": some(distance, np.max),
         "rms_stops": some(stops**2, lambda squares: np.sqrt(squares.mean())),
         "mean_delta_e_2000": some(difference, np.mean), "delta_e_2000_count": len(difference),
+        "mean_delta_e_itp": some(column("delta_e_itp"), np.mean),
         "nrmse": number(nrmse), "count": len(counted),
         "left_out": [row["name"] for row in rows if not row["in_overall"]] + [row["name"] for row in undefined],
     }
 
 
-def score(table, regions, render, reference):
-    """The whole report as a JSON object, and the comparison and levels behind it."""
-    both = compare(table, regions, render)
-    surfaces = [region.surface for region in regions]
-    usable = np.array([not region.dark for region in regions])
-    if len(set(np.asarray(surfaces)[usable])) < 2:
-        raise InputError(table.path, "all regions show one surface", "measure a second surface, the matrix is tested on surfaces it has not seen")
-    levels = climb(both.render, both.photo, both.luminance, surfaces, usable)
-    record = render.record
-    assumptions = list(both.notes) + [
+def assumptions(both, render, reference, calibration):
+    """What a reader must grant before the figures mean anything."""
+    declared = "" if calibration.declared else " No calibration.json is there: calibration uncertainty is missing from every interval and verdict."
+    return list(both.notes) + [
         f"Photograph: {reference['encoding']}.",
         f"The value 1 stands for {render.saturation:.6g} cd/m2 (the camera's saturation luminance).",
         "Colour differences compare region means under D65 at Y = 1 without chromatic adaptation; dE2000 of a region above white is marked and kept out of the mean.",
-        "Intervals are 95 %: render noise (pixels and channels independent, which makes the interval of u'v' too wide rather than too narrow) and the photograph's spread (3 x 3 pixels counted as one); fits are held fixed; calibration, glare and vignetting are not included.",
+        f"dE ITP is absolute: both sides are seen with Y = 1 at {ITP_WHITE_CD_M2:g} cd/m2 (reference white of ITU-R BT.2408), not at the luminance of the scene.",
+        f"Intervals are 95 %, from {DRAWS} draws of the whole budget with every fit made anew (JCGM 101): noise of both sides, rounding, registration and the declared calibration.{declared} Those of distances are the distance plus and minus the radius that holds 95 % of the draws, and are therefore rather too wide than too narrow.",
+        f"A region differs where luminance ratio and chromaticity together fall outside the budget; of the regions called different at a level, at most {100 * FALSE_ALARMS:g} % are expected to be false alarms, whatever their errors share (Benjamini-Yekutieli).",
         "Regions whose mean linear value in the photograph is below 0.01 are listed, flagged and kept out of fits and overall figures.",
         "A region's render value is the mean over its pixels with the mean's standard error; bright single pixels are neither removed nor clipped. Where that error is larger than the photograph's, the region says so.",
         f"L3 predicts every region with a matrix fitted without any region of its surface (leave one surface out). Its entries are expected within {EXPECTED_MIXTURE:g} of the channel gains, so that a colour that no other surface shows keeps the gains.",
+        "L4 is L2 and a uniform veil: a share of the light, spread as the mean of the whole render, light from outside the frame not counted. It also predicts every region without its surface; below zero it is not glare.",
     ]
+
+
+def score(table, regions, render, reference, calibration, photograph=None, inside=None):
+    """The whole report as a JSON object, and the comparison and levels behind it.
+
+    `inside` (h, w) marks the photograph's pixels that show the scene; None for all of them.
+    """
+    both = compare(table, regions, render, reference["encoding"], photograph)
+    surfaces = np.array([region.surface for region in regions])
+    usable = np.array([not region.dark for region in regions])
+    if len(set(surfaces[usable])) < 2:
+        raise InputError(table.path, "all regions show one surface", "measure a second surface, the matrix is tested on surfaces it has not seen")
+    setting = Setting.of(both.render, both.photo, both.luminance, surfaces, usable, both.mean_picture)
+    levels = climb(both.render, both.photo, setting)
+    all_causes = causes(both, surfaces, calibration)
+    sides = drawn(both, all_causes)
+    scored = {level.name: score_level(level, both, regions, setting, all_causes, sides) for level in levels}
+    picture = whole_picture(photograph, both, levels, inside)
+    record = render.record
     report = {
         "scene": record.get("scene"), "scene_hash": record.get("scene_hash"), "reference": reference,
-        "levels": {level.name: score_level(level, both, regions) for level in levels},
+        "calibration_error": calibration_error(scored, calibration), "levels": scored, "findings": findings(scored, calibration, picture), "picture": picture,
+        "calibration": {
+            "declared": calibration.declared, "draws": DRAWS, "place_px": number(calibration.place_px, 4),
+            "components": [{"name": c.name, "pattern": c.pattern, "relative_standard_uncertainty": c.u, "kind": c.kind, "degrees_of_freedom": c.degrees_of_freedom, "removed_by": PATTERNS[c.pattern], "source": c.source} for c in calibration.components],
+        },
         "samples_per_pixel": record.get("samples_per_pixel"), "seconds": record.get("seconds"), "cpu_seconds": record.get("cpu_seconds"),
         "version": record.get("version"), "integrator": record.get("integrator"), "seed": record.get("seed"),
         "render": {"file": render.file, "sha256": render.sha256, "width": render.size[0], "height": render.size[1]},
-        "camera": record.get("camera"), "plan": record.get("plan", []),
+        "camera": record.get("camera"), "plan": record.get("plan", []), "itp_white_cd_m2": ITP_WHITE_CD_M2,
         "compared_in": "camera_rgb" if both.to_xyz is not SRGB_TO_XYZ else "linear_srgb",
-        "assumptions": assumptions, "harness_version": __version__,
+        "assumptions": assumptions(both, render, reference, calibration), "harness_version": __version__,
     }
     return report, both, levels

@@ -14,6 +14,9 @@ from etalon_validation.cli import main
 from .case import COLOURS, patches, write_case, write_exr, write_render
 
 
+VERDICTS = ("agrees within uncertainty", "differs", "cannot be settled")
+
+
 class Command(unittest.TestCase):
     def setUp(self):
         self.holder = tempfile.TemporaryDirectory()
@@ -43,12 +46,67 @@ class Command(unittest.TestCase):
     def test_scoring_recovers_the_planted_exposure(self):
         code, out, err = self.score("--photo", str(self.folder / "photo.exr"))
         self.assertEqual((code, err), (0, ""))
-        self.assertEqual([line[:2] for line in out.splitlines()], ["L0", "L1", "L2", "L3"])
+        self.assertEqual([line[:2] for line in out.splitlines() if line.startswith("L")], ["L0", "L1", "L2", "L3", "L4"])
+        self.assertIn("exposure fitted at L1): +0.70 stops", out)
         report = self.report()
         self.assertAlmostEqual(report["levels"]["L1"]["fitted"]["exposure_stops"], 0.7, places=3)
         self.assertAlmostEqual(report["levels"]["L0"]["overall"]["rms_stops"], 0.7, places=3)
         self.assertLess(report["levels"]["L1"]["overall"]["mean_duv"], 1e-4)
         self.assertEqual(report["reference"]["kind"], "photograph")
+
+    def test_what_readers_of_the_report_rely_on_is_there(self):
+        self.score("--photo", str(self.folder / "photo.exr"))
+        report = self.report()
+        low, high = report["calibration_error"]["exposure_stops_95"]
+        self.assertLess(low, high)
+        self.assertAlmostEqual(report["calibration_error"]["exposure_stops"], 0.7, places=3)
+        self.assertIsNone(report["calibration_error"]["declared_u_stops"])
+        self.assertFalse(report["calibration"]["declared"])
+        self.assertIn("glare_share_95", report["levels"]["L4"]["fitted"])
+        for level in report["levels"].values():
+            self.assertEqual(level["budget"][-1]["component"], "all together")
+            self.assertIn(level["verdict"]["verdict"], VERDICTS)
+            for row in level["regions"]:
+                self.assertIn(row["verdict"], (*VERDICTS, None) if not row["in_overall"] else VERDICTS)
+                for key in ("duv", "luminance_ratio", "delta_e_2000", "delta_e_itp"):
+                    low, high = row[f"{key}_95"]
+                    self.assertLessEqual(low, high)
+        self.assertEqual(report["levels"]["L0"]["verdict"]["verdict"], "differs", "0.7 stops and no calibration declared")
+        self.assertEqual(set(report["picture"]["levels"]), set(report["levels"]))
+        self.assertLess(report["picture"]["levels"]["L1"]["nrmse"], 1e-3)
+        self.assertTrue(all(entry["text"] for entry in report["findings"]))
+
+    def test_without_the_photograph_whole_picture_figures_are_absent_and_the_report_says_so(self):
+        self.score()
+        report = self.report()
+        self.assertFalse(report["picture"]["available"])
+        self.assertIn("not at hand", report["picture"]["reason"])
+        self.assertIn("picture", [entry["topic"] for entry in report["findings"]])
+
+    def test_a_lamp_level_known_to_a_factor_of_two_leaves_the_exposure_open(self):
+        (self.folder / "calibration.json").write_text(json.dumps({"components": [
+            {"name": "lamp level", "pattern": "level", "relative_standard_uncertainty": 0.7, "source": "assumed"},
+        ]}))
+        self.assertEqual(self.score()[0], 0)
+        report = self.report()
+        self.assertTrue(report["calibration_error"]["within_declared"])
+        low, high = report["calibration_error"]["exposure_stops_95"]
+        self.assertLess(high - low, 0.1, "the lamp's level is what the exposure is held against, it does not blur it")
+        self.assertEqual(report["levels"]["L0"]["verdict"]["verdict"], "cannot be settled")
+        self.assertEqual(report["levels"]["L1"]["verdict"]["verdict"], "agrees within uncertainty")
+        sentence = next(entry for entry in report["findings"] if entry["topic"] == "exposure")
+        self.assertFalse(sentence["settled"])
+        self.assertIn("lamp level (a factor of 2)", sentence["text"])
+
+    def test_malformed_calibrations_are_refused(self):
+        good = {"name": "lamp", "pattern": "level", "relative_standard_uncertainty": 0.1, "source": "assumed"}
+        for entries, saying in (
+            ([{}], "name"), ([good | {"pattern": "odd"}], "odd"), ([good | {"relative_standard_uncertainty": "much"}], "wrong kind"),
+            ([good | {"relative_standard_uncertainty": -1}], "negative"), ([good | {"kind": "C"}], "A or B"), ([good, good], "one name"),
+            ([good | {"degrees_of_freedom": 1}], "degrees"), (7, "wrong kind"),
+        ):
+            (self.folder / "calibration.json").write_text(json.dumps({"components": entries}))
+            self.refused(saying=saying)
 
     def test_dark_regions_are_flagged_and_kept_out(self):
         self.score()
@@ -65,9 +123,19 @@ class Command(unittest.TestCase):
             self.assertEqual([row["name"] for row in level["undefined"]], ["patch_8"])
             self.assertEqual(level["overall"]["left_out"], ["patch_8"])
             for row in level["regions"]:
-                for key in ("duv", "luminance_ratio", "delta_e_2000", "render_noise", "photo_noise"):
+                for key in ("duv", "luminance_ratio", "delta_e_2000", "delta_e_itp", "render_noise", "photo_noise"):
                     self.assertIsInstance(row[key], float)
                 self.assertTrue(row["render_noise_dominates"], "the photograph of this case has no noise")
+
+    def test_a_channel_without_any_light_is_scored_all_the_same(self):
+        """A sodium lamp leaves the blue channel empty on both sides."""
+        self.image[..., 2] = 0
+        write_render(self.folder / "out.exr", self.image / 2**0.7)
+        write_exr(self.folder / "yellow.exr", self.image, ["R", "G", "B"])
+        code, _, err = self.score("--photo", str(self.folder / "yellow.exr"))
+        self.assertEqual(code, 0, err)
+        self.assertAlmostEqual(self.report()["calibration_error"]["exposure_stops"], 0.7, places=3)
+        self.assertEqual(len(self.report()["levels"]["L4"]["regions"]), 9)
 
     def test_the_table_stands_in_for_the_photograph(self):
         self.assertEqual(self.score()[0], 0)
