@@ -8,5 +8,5 @@ all("tr[data-name]").forEach(r=>{const point=on=>all(".outlines").forEach(s=>{s.
 let cut=50;
 const slide=x=>{cut=Math.max(0,Math.min(100,x));document.documentElement.style.setProperty("--cut",cut+"%");all(".slider").forEach(s=>s.setAttribute("aria-valuenow",Math.round(cut)))};
 all(".slider").forEach(s=>{s.tabIndex=0;for(const [name,value] of [["role","slider"],["aria-label","share of the photograph shown, percent"],["aria-valuemin",0],["aria-valuemax",100],["aria-valuenow",50]])s.setAttribute(name,value);
-const move=e=>{const r=s.getBoundingClientRect();slide(100*(e.clientX-r.left)/r.width)};s.onpointerdown=e=>{s.setPointerCapture(e.pointerId);move(e)};s.onpointermove=e=>{if(e.buttons)move(e)};
+const move=e=>{const r=s.getBoundingClientRect();slide(100*(e.clientX-r.left)/r.width)};s.onpointerdown=e=>{s.setPointerCapture(e.pointerId);move(e)};s.onpointermove=e=>{if(e.buttons)move(e)};s.ondragstart=()=>false;
 s.onkeydown=e=>{const step={ArrowLeft:-2,ArrowRight:2}[e.key];if(step){slide(cut+step);e.preventDefault()}}});

@@ -78,7 +78,7 @@ def read_render(path):
     sensor = take(["sensor.R", "sensor.G", "sensor.B"]) if "sensor.G" in names else None
     for values in (xyz, stderr) if sensor is None else (xyz, stderr, sensor):
         if not np.isfinite(values).all():
-            raise InputError(path, "holds values that are not finite", "render it again")
+            raise InputError(path, "holds values that are not finite", "render it again, with two samples per pixel or more: one has no standard error")
     return Render(xyz, stderr, sensor, read_record(spec, path), path.name, sha256_of(path))
 
 
