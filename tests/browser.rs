@@ -101,7 +101,8 @@ fn chromium() -> Option<PathBuf> {
     assert!(found.is_some() || !is_required, "no Chromium is installed, and ETALON_REQUIRE_BROWSER is set");
     if found.is_none() {
         // Past the test harness, which keeps what a passing test prints.
-        let reason = "SKIPPED: no Chromium on the path and none named by ETALON_CHROMIUM; pages were not opened";
+        let reason =
+            "SKIPPED: no Chromium on the path and none named by ETALON_CHROMIUM; pages were not opened";
         writeln!(std::io::stderr(), "{reason}").expect("standard error takes text");
     }
     found
@@ -166,7 +167,10 @@ fn a_case_that_fails_is_a_row_and_the_others_are_scored() {
     let index = read_json(&folder.join("index.json"));
     let rows = index["cases"].as_array().expect("a list");
     let failed = rows.iter().find(|row| row["case"] == FAILING).expect("its row");
-    assert!(failed["reason"].as_str().is_some_and(|reason| reason.contains("cannot make the folder")), "{failed}");
+    assert!(
+        failed["reason"].as_str().is_some_and(|reason| reason.contains("cannot make the folder")),
+        "{failed}"
+    );
     assert_eq!(index["counts"], serde_json::json!({ "done": 4, "failed": 1, "skipped": 1 }));
     let page = std::fs::read_to_string(folder.join("index.html")).expect("the index is there");
     assert!(page.contains("1 failed"), "the page says so");

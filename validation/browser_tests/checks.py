@@ -101,8 +101,8 @@ def print_faults(page, url):
     pdf = page.pdf(prefer_css_page_size=True)
     page.emulate_media(media="screen")
     pages = len(re.findall(rb"/Type\s*/Page\b", pdf))
-    # Every level begins on a new page.
-    if not pdf.startswith(b"%PDF") or pages < 1 + sections:
+    # Every level after the first begins on a new page.
+    if not pdf.startswith(b"%PDF") or pages < max(1, sections):
         faults.append(f"{pages} pages for {sections} sections")
     return faults
 

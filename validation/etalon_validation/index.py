@@ -98,14 +98,13 @@ def find_photographs(folder, cases):
         table = read_json(Path(case) / "regions.json", "measure its regions first")
         with meaning(Path(case) / "regions.json", "measure its regions again"):
             known.setdefault(table["photo"]["sha256"], name)
+    published = {path: known.get(sha256_of(path)) for path in files}
     found = {}
-    for path in files:
-        name = known.get(sha256_of(path))
+    for path, name in published.items():
         if name:
             found.setdefault(name, str(path))
-    for path in files:
-        if path.stem in cases:
-            found.setdefault(path.stem, str(path))
+    for path in (path for path, name in published.items() if name is None and path.stem in cases):
+        found.setdefault(path.stem, str(path))
     if not found:
         raise InputError(folder, "holds the photograph of no case", "name each as its case, as in cornell.png")
     return found

@@ -57,7 +57,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, "make the folder", &e))?;
 
     let cases = CASES.iter().filter(|case| case.is_in_all());
-    let rows = cases.map(|case| row(case, arguments, &photos, &folder)).collect::<anyhow::Result<Vec<Row>>>()?;
+    let rows =
+        cases.map(|case| row(case, arguments, &photos, &folder)).collect::<anyhow::Result<Vec<Row>>>()?;
     let failed = rows.iter().filter(|row| row.status == Status::Failed).count();
     let index = Index { version: env!("CARGO_PKG_VERSION"), command: command_line(), cases: rows };
     let words: [OsString; 2] = ["-o".into(), folder.clone().into()];
@@ -71,7 +72,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
 }
 
 /// Runs a case, unless what it is held against is not at hand.
-fn row(case: &'static Case, arguments: &Arguments, photos: &Photographs, folder: &Path) -> anyhow::Result<Row> {
+fn row(
+    case: &'static Case,
+    arguments: &Arguments,
+    photos: &Photographs,
+    folder: &Path,
+) -> anyhow::Result<Row> {
     if case.against == Against::Bands && arguments.bands.is_none() {
         let reason = "the band images are not part of this project; give them as --bands".to_owned();
         return Ok(Row { case: case.name, status: Status::Skipped, reason: Some(reason) });
@@ -115,7 +121,8 @@ fn run_apart(words: &[OsString]) -> anyhow::Result<Option<String>> {
         return Ok(None);
     }
     let last = said.lines().rev().find(|line| !line.trim().is_empty());
-    let reason = last.map_or_else(|| output.status.to_string(), |line| line.trim_start_matches("error: ").to_owned());
+    let reason =
+        last.map_or_else(|| output.status.to_string(), |line| line.trim_start_matches("error: ").to_owned());
     Ok(Some(reason))
 }
 

@@ -68,10 +68,7 @@ impl Case {
     /// The case of a name.
     pub fn named(name: &str) -> Result<&'static Self> {
         let names = || CASES.iter().map(|case| case.name).chain(["all"]);
-        CASES
-            .iter()
-            .find(|case| case.name == name)
-            .ok_or_else(|| Error::unknown_name("case", name, names()))
+        CASES.iter().find(|case| case.name == name).ok_or_else(|| Error::unknown_name("case", name, names()))
     }
 
     /// Whether `validate all` takes it in: peers need an environment of their own and much time.

@@ -48,11 +48,10 @@ pub fn of_one(case: &Case, arguments: &[String]) -> Result<Option<PathBuf>> {
     };
     expects_one(case)?;
     match split(argument) {
-        (Some(name), _) if name != case.name => Err(Error::new(format!(
-            "--photo names the case {name}, and {} is validated",
-            case.name
-        ))
-        .hint("give the photograph of this case")),
+        (Some(name), _) if name != case.name => {
+            Err(Error::new(format!("--photo names the case {name}, and {} is validated", case.name))
+                .hint("give the photograph of this case"))
+        }
         (_, file) => Ok(Some(existing(file)?)),
     }
 }
