@@ -55,7 +55,7 @@ def find_regions(plan, scene, scene_path, render_size, bands_size, points):
     for name, size in (("the render", render_size), ("the band images", bands_size)):
         check_shape(scene, scene_path, name, size)
     theirs, pose = fitted(plan, points, bands_size) if points else (assumed, {"kind": "scene"})
-    sides = [patches(plan, scene, camera) for camera in (ours, theirs)]
+    sides = [patches(plan, scene, camera, with_mirrors=not points) for camera in (ours, theirs)]
     both = [Pair(name, surface, polygon, sides[1][name][1]) for name, (surface, polygon) in sides[0].items() if name in sides[1]]
     dropped = sorted(set(sides[0]) ^ set(sides[1]))
     if len({pair.surface for pair in both}) < 2:
@@ -86,15 +86,15 @@ def fitted(plan, points, size):
     return camera, {"kind": "fitted", "points": pose["points"], "rms_px": pose["rms_px"], "parameters": pose["models"][pose["chosen"]]["parameters"]}
 
 
-def patches(plan, scene, camera):
-    """Surface and outline by name of every patch that a camera sees whole."""
+def patches(plan, scene, camera, with_mirrors):
+    """Surface and outline by name of every patch that a camera sees whole, those on mirrors only if asked for."""
     layout = Layout((Path(plan.path).parent / plan.table["layout"]).resolve())
     scale = camera.size[0] / layout.camera.size[0]
     # What the photograph's layout keeps out in pixels stands here as faces of its own.
     layout.camera, layout.keep_out = camera, []
     layout.faces = layout.faces | {face.name: face for name in plan.table["blockers"] for face in blocker(plan, scene, name)}
     seen = {}
-    for patch in layout.patches:
+    for patch in (patch for patch in layout.patches if with_mirrors or not layout.faces[patch.face].mirror):
         polygon, share = layout.polygon(replace(patch, erode_px=patch.erode_px * scale))
         if share == 1.0:
             seen[patch.name] = (patch.surface, polygon)

@@ -58,7 +58,7 @@ def compose(plan, render, images, sight, levels):
     }
     return {
         "kind": "bands", "scene": record.get("scene"), "scene_hash": record.get("scene_hash"), "reference": reference,
-        "bands": [asdict(band) for band in plan.bands], "pose": sight.pose, "dropped": list(sight.dropped), "levels": levels,
+        "bands": [asdict(band) for band in plan.bands], "pose": sight.pose, "dropped": list(sight.dropped), "assumptions": [str(line) for line in plan.table.get("assumptions", [])], "levels": levels,
         "samples_per_pixel": record.get("samples_per_pixel"), "seconds": record.get("seconds"), "cpu_seconds": record.get("cpu_seconds"),
         "version": record.get("version"), "integrator": record.get("integrator"), "seed": record.get("seed"), "camera": record.get("camera"),
         "render": {"file": render.file, "sha256": render.sha256, "width": render.size[0], "height": render.size[1]},

@@ -138,6 +138,8 @@ class Bands(unittest.TestCase):
         fitted = self.report()
         self.assertEqual(fitted["pose"]["kind"], "fitted")
         self.assertLess(fitted["levels"]["L2"]["overall"]["rms_stops"], 1e-3)
+        names = [[row["name"] for row in report["levels"]["L2"]["regions"] if row["name"].startswith("mirror")] for report in (without, fitted)]
+        self.assertTrue(names[0] and not names[1], "a mirror shows another part of the box to another camera")
         self.assertGreater(without["levels"]["L2"]["overall"]["rms_stops"], 0.02)
         _, err = self.score(None, "--points", points)[1:]
         self.assertNotIn("pose", err)
