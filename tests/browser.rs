@@ -60,14 +60,19 @@ fn photographs() -> PathBuf {
     ];
     let rendered = etalon(&render);
     assert!(rendered.status.success(), "{}", text(&rendered.stderr));
-    let mut python = Environment::prepare(&VALIDATION).expect("the Python environment can be made").harness();
-    python.args(["-m", "browser_tests.synthetic"]).arg(&exr).arg(folder.join("cornell.exr"));
-    let made = python.output().expect("Python starts");
-    assert!(made.status.success(), "{}", text(&made.stderr));
+    make("browser_tests.synthetic", &[&exr, &folder.join("cornell.exr")]);
     folder
 }
 
-/// The folder of one `validate all`, and what it printed.
+/// Lets a module of the harness make files.
+fn make(module: &str, files: &[&Path]) {
+    let mut python = Environment::prepare(&VALIDATION).expect("the Python environment can be made").harness();
+    let made = python.args(["-m", module]).args(files).output().expect("Python starts");
+    assert!(made.status.success(), "{}", text(&made.stderr));
+}
+
+/// The folder of one `validate all`, and what it printed; beside its reports stands one of seven
+/// synthetic bands.
 fn pages() -> &'static (PathBuf, String) {
     static PAGES: OnceLock<(PathBuf, String)> = OnceLock::new();
     PAGES.get_or_init(|| {
@@ -80,6 +85,7 @@ fn pages() -> &'static (PathBuf, String) {
         let more = [photos.as_os_str(), "-o".as_ref(), folder.as_os_str()];
         let output = etalon(&[&words[..], &more[..]].concat());
         assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+        make("browser_tests.synthetic_bands", &[&folder.join("synthetic-bands")]);
         (folder, text(&output.stdout).to_owned())
     })
 }
