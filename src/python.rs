@@ -24,6 +24,10 @@ pub const VALIDATION: Requirements =
 pub const PEERS: Requirements =
     Requirements { file: "validation/requirements-peers.txt", folder: "python-peers" };
 
+/// What opens the reports in a browser.
+pub const BROWSER: Requirements =
+    Requirements { file: "validation/requirements-browser.txt", folder: "python-browser" };
+
 /// The folder with `validation/` and `reference/`: the one that cargo runs in, or the one
 /// that the program was built from.
 pub fn project_root() -> Result<PathBuf> {
@@ -94,9 +98,33 @@ impl Environment {
     /// # Errors
     /// Where it exits with anything but 0; with 2, the user's fault, the last line that it wrote
     /// on standard error becomes the error.
-    pub fn run_module(&self, command: &str, words: &[&OsStr], input: Option<&str>) -> anyhow::Result<()> {
+    pub fn run_module<W: AsRef<OsStr>>(
+        &self,
+        command: &str,
+        words: &[W],
+        input: Option<&str>,
+    ) -> anyhow::Result<()> {
+        self.talk(command, words, input, Stdio::inherit()).map(drop)
+    }
+
+    /// What a command of the harness writes on standard output.
+    ///
+    /// # Errors
+    /// Those of [`Environment::run_module`].
+    pub fn ask_module<W: AsRef<OsStr>>(&self, command: &str, words: &[W]) -> anyhow::Result<String> {
+        self.talk(command, words, None, Stdio::piped())
+    }
+
+    fn talk<W: AsRef<OsStr>>(
+        &self,
+        command: &str,
+        words: &[W],
+        input: Option<&str>,
+        stdout: Stdio,
+    ) -> anyhow::Result<String> {
         let mut python = self.harness();
-        python.arg("-m").arg("etalon_validation").arg(command).args(words).stderr(Stdio::piped());
+        python.arg("-m").arg("etalon_validation").arg(command).args(words);
+        python.stdout(stdout).stderr(Stdio::piped());
         python.stdin(if input.is_some() { Stdio::piped() } else { Stdio::null() });
         let mut child = python.spawn()?;
         // A harness that has already refused its arguments no longer listens.
@@ -111,7 +139,7 @@ impl Environment {
             eprintln!("{line}");
         }
         match output.status.code() {
-            Some(0) => Ok(()),
+            Some(0) => Ok(String::from_utf8_lossy(&output.stdout).into_owned()),
             Some(2) => Err(Error::new(last.strip_prefix("error: ").unwrap_or(last)).into()),
             code => anyhow::bail!("the harness failed at \"{command}\" (exit code {code:?})"),
         }

@@ -24,9 +24,9 @@ pub struct Effort {
     /// Size of the picture instead of the scene's, as WIDTHxHEIGHT
     #[arg(long, value_name = "WxH", value_parser = resolution)]
     pub resolution: Option<[u32; 2]>,
-    /// Algorithm: path, light, bdpt or mlt
-    #[arg(long, value_name = "NAME", default_value = "path", value_parser = integrator)]
-    pub integrator: Integrator,
+    /// Algorithm: path, light, bdpt or mlt [default: path, or the reference case's own]
+    #[arg(long, value_name = "NAME", value_parser = integrator)]
+    pub integrator: Option<Integrator>,
 }
 
 impl Effort {
@@ -38,6 +38,26 @@ impl Effort {
             (None, None) => default_spp,
         };
         Budget { samples_per_pixel, time: self.time, seed: self.seed }
+    }
+
+    /// The algorithm that is asked for, or path tracing.
+    pub fn integrator(&self) -> Integrator {
+        self.integrator.unwrap_or(Integrator::Path)
+    }
+
+    /// The same effort as words of a command line.
+    pub fn words(&self) -> Vec<String> {
+        let Self { spp, time, seed, threads, resolution, integrator } = self;
+        let given = [
+            ("--spp", spp.map(|spp| spp.to_string())),
+            ("--time", time.map(|time| time.as_secs_f64().to_string())),
+            ("--seed", Some(seed.to_string())),
+            ("--threads", threads.map(|threads| threads.to_string())),
+            ("--resolution", resolution.map(|[width, height]| format!("{width}x{height}"))),
+            ("--integrator", integrator.map(|integrator| integrator.name().to_owned())),
+        ];
+        let pair = |(option, value): (&str, Option<String>)| value.map(|value| [option.to_owned(), value]);
+        given.into_iter().filter_map(pair).flatten().collect()
     }
 
     /// Sets the number of threads for the whole process.
@@ -72,4 +92,28 @@ fn resolution(text: &str) -> Result<[u32; 2], String> {
 pub fn integrator(name: &str) -> Result<Integrator, String> {
     let known = || Integrator::ALL.iter().map(|i| i.name());
     Integrator::named(name).ok_or_else(|| Error::unknown_name("integrator", name, known()).to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Alone {
+        #[command(flatten)]
+        effort: Effort,
+    }
+
+    #[test]
+    fn words_say_the_same_effort_again() {
+        for line in [
+            "--spp 3 --seed 7 --threads 2 --resolution 640x480 --integrator bdpt",
+            "--time 0.5 --seed 0",
+            "--seed 18446744073709551615",
+        ] {
+            let words = std::iter::once("etalon").chain(line.split(' '));
+            assert_eq!(Alone::parse_from(words).effort.words().join(" "), line);
+        }
+    }
 }

@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if let Some(report) = &arguments.report {
         check_output(report, &["json"], "the report is a JSON file")?;
     }
-    if arguments.strategies.is_some() && arguments.effort.integrator == Integrator::Mlt {
+    if arguments.strategies.is_some() && arguments.effort.integrator() == Integrator::Mlt {
         return Err(Error::new("a chain's path belongs to no single strategy")
             .hint("use --strategies with --integrator bdpt, whose strategies mlt shares")
             .into());
@@ -68,9 +68,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     }
     let layers = Layers { linear_srgb: arguments.linear_srgb };
     let effort = &arguments.effort;
-    let plan = Plan::of(&scene, &view.sensor, effort.integrator.strategies());
+    let plan = Plan::of(&scene, &view.sensor, effort.integrator().strategies());
     if arguments.strict && !plan.unreachable.is_empty() {
-        eprintln!("error: {}: {}", arguments.scene.display(), missing(&plan, effort.integrator));
+        eprintln!("error: {}: {}", arguments.scene.display(), missing(&plan, effort.integrator()));
         return Ok(ExitCode::from(3));
     }
     if let Some(folder) = &arguments.strategies {
@@ -201,13 +201,13 @@ pub fn render_to_files(
     png: Option<&Path>,
 ) -> anyhow::Result<Facts> {
     check_memory(view, 1)?;
-    let plan = Plan::of(scene, &view.sensor, effort.integrator.strategies());
+    let plan = Plan::of(scene, &view.sensor, effort.integrator().strategies());
     if !plan.unreachable.is_empty() {
-        eprintln!("warning: {}", missing(&plan, effort.integrator));
+        eprintln!("warning: {}", missing(&plan, effort.integrator()));
     }
     let budget = effort.budget(default_spp);
     let bar = Bar::new();
-    let rendering = effort.integrator.render(scene, view, &plan, &budget, &bar);
+    let rendering = effort.integrator().render(scene, view, &plan, &budget, &bar);
     bar.finish();
     if let Some(outcome) = &rendering.metropolis
         && let Some(paths) = outcome.found_none_in
@@ -219,7 +219,7 @@ pub fn render_to_files(
     }
     let Rendering { film, elapsed, metropolis } = rendering;
     let facts =
-        Facts { metropolis, ..Facts::of(scene, view, &plan, effort.integrator, &budget, &film, elapsed) };
+        Facts { metropolis, ..Facts::of(scene, view, &plan, effort.integrator(), &budget, &film, elapsed) };
     write_exr(exr, &film, &view.sensor, &facts, layers)?;
     if let Some(png) = png {
         write_developed(png, &film, &Development::new(&view.exposure, view.white))?;

@@ -39,7 +39,7 @@ pub fn write(
     let started = Instant::now();
     let budget = effort.budget(DEFAULT_SPP);
     // Also what a render leaves out because another strategy is better at it.
-    let strategies = effort.integrator.strategies();
+    let strategies = effort.integrator().strategies();
     let meets_lights = strategies.meets_lights && plan.strategies.meets_lights;
     let meets_eye = strategies.meets_eye && view.camera.has_aperture();
     let strategies = Strategies { meets_lights, meets_eye, ..strategies };
@@ -52,7 +52,7 @@ pub fn write(
         for (kind, film, first) in
             [("unweighted", &films.unweighted, 0), ("weighted", &films.weighted, LONGEST + 1)]
         {
-            let facts = Facts::of(scene, view, &plan, effort.integrator, &budget, film, started.elapsed());
+            let facts = Facts::of(scene, view, &plan, effort.integrator(), &budget, film, started.elapsed());
             write_exr(&folder.join(format!("s{s}-t{t}-{kind}.exr")), film, &view.sensor, &facts, layers)?;
             captioned.push(([(first + s) as u32, row], format!("s{s} t{t} +{row} EV"), film));
         }

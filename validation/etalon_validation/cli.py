@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from .errors import InputError
+from .pages_cli import add_commands
 
 # Samples per pixel of the peer.
 PEER_SPP = 4096
@@ -70,6 +71,7 @@ def parser():
     plot = commands.add_parser("plot-spectrum", help="draw the spectral table described on standard input")
     plot.add_argument("file", type=Path, help="SVG or PNG to write")
     plot.set_defaults(run=run_plot)
+    add_commands(commands)
     return top
 
 
@@ -99,6 +101,8 @@ def run_score(chosen):
     from .render import read_render
     from .report import write_report
     from .score import score
+    from .maps import resized
+    from .thumbnails import write_pair
 
     table = read_table(chosen.case / "regions.json")
     render = read_render(chosen.render)
@@ -111,6 +115,7 @@ def run_score(chosen):
     report, both, levels = score(table, regions, render, reference, read_calibration(chosen.case), photograph, inside_box(chosen.case, table.size))
     chosen.output.mkdir(parents=True, exist_ok=True)
     write_report(chosen.output, report, table, regions, render, photograph, both, levels)
+    write_pair(chosen.output, levels[1].apply(resized(both.channels, table.size)), None if photograph is None else photograph.rgb)
     for name, level in report["levels"].items():
         figures = level["overall"]
         print(f"{name} du'v' {show(figures['mean_duv'], 4)}  rms {show(figures['rms_stops'], 3)} stops  dE2000 {show(figures['mean_delta_e_2000'], 2)}  regions: {in_words(level['verdict'])}")

@@ -15,6 +15,12 @@ from .layout import REGISTRATION_PX, Layout
 METERS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 
 
+def image_distance_mm(camera, unit_m):
+    """How far behind the lens the picture is: a lens focused at a distance d has it at v, 1/v = 1/f - 1/d."""
+    focal_mm, focus = camera["focal_length_mm"], camera.get("focus_distance")
+    return focal_mm if focus is None else 1 / (1 / focal_mm - 1 / (1000 * unit_m * focus))
+
+
 def scene_camera(scene, length, size):
     """The scene's pinhole in `length` units for an image of `size`; None when the scene has no camera."""
     camera = scene.get("camera")
@@ -23,7 +29,7 @@ def scene_camera(scene, length, size):
     scale = METERS[scene["length_unit"]] / METERS[length]
     position = scale * np.array(camera["position"], float)
     look = np.array(camera["direction"], float) if camera.get("direction") else scale * np.array(camera["look_at"], float) - position
-    hfov_deg = 2 * np.degrees(np.arctan(camera["sensor_mm"][0] / 2 / camera["focal_length_mm"]))
+    hfov_deg = 2 * np.degrees(np.arctan(camera["sensor_mm"][0] / 2 / image_distance_mm(camera, METERS[scene["length_unit"]])))
     shift = np.array(camera.get("principal_point_px", (0, 0)), float) * size[0] / camera["resolution"][0]
     return Pinhole.looking(position, look, camera["up"], hfov_deg, size, tuple(shift))
 

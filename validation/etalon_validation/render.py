@@ -35,8 +35,8 @@ class Render:
         return float(self.record["camera"]["saturation_luminance_cd_m2"])
 
 
-def read_render(path):
-    """The render in `path`; an `InputError` when channels or record are not those of a render."""
+def read_pixels(path):
+    """The header of an EXR, its channel names, and its values (height, width, channels)."""
     path = Path(path)
     if not path.is_file():
         raise InputError(path, "no such render", REMEDY)
@@ -44,12 +44,29 @@ def read_render(path):
     if image is None:
         raise InputError(path, f"cannot be decoded ({first_line(oiio.geterror())})", REMEDY)
     spec = image.spec()
-    names = list(spec.channelnames)
     pixels = image.read_image(0, spec.nchannels, "float")
     image.close()
     if pixels is None:
         raise InputError(path, "is cut short", "render it again")
-    pixels = np.asarray(pixels, float).reshape(spec.height, spec.width, spec.nchannels)
+    return spec, list(spec.channelnames), np.asarray(pixels, float).reshape(spec.height, spec.width, spec.nchannels)
+
+
+def read_channels(path, wanted):
+    """Channels by name (channels, height, width); an `InputError` names those that are not there."""
+    _, names, pixels = read_pixels(path)
+    missing = [name for name in wanted if name not in names]
+    if missing:
+        raise InputError(path, f"has no channel {', '.join(missing)}", "give the scene's camera a sensor with these bands")
+    found = np.stack([pixels[..., names.index(name)] for name in wanted])
+    if not np.isfinite(found).all():
+        raise InputError(path, "holds values that are not finite", "render it again")
+    return found
+
+
+def read_render(path):
+    """The render in `path`; an `InputError` when channels or record are not those of a render."""
+    path = Path(path)
+    spec, names, pixels = read_pixels(path)
 
     def take(wanted):
         missing = [name for name in wanted if name not in names]
@@ -61,7 +78,7 @@ def read_render(path):
     sensor = take(["sensor.R", "sensor.G", "sensor.B"]) if "sensor.G" in names else None
     for values in (xyz, stderr) if sensor is None else (xyz, stderr, sensor):
         if not np.isfinite(values).all():
-            raise InputError(path, "holds values that are not finite", "render it again")
+            raise InputError(path, "holds values that are not finite", "render it again, with two samples per pixel or more: one has no standard error")
     return Render(xyz, stderr, sensor, read_record(spec, path), path.name, sha256_of(path))
 
 

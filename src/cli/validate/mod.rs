@@ -1,0 +1,53 @@
+//! `etalon validate`: reference scenes rendered and scored by the Python harness, one case or
+//! all of them with an index page.
+
+mod all;
+mod cases;
+mod one;
+mod photographs;
+
+use super::arguments::Effort;
+use cases::Case;
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Case: cornell, yale-grey, yale-brown, stanford, schoedl (exposure alone), cornell-ccd
+    /// (seven bands), peers (against Mitsuba 3); or all but the peers
+    case: String,
+    /// The photograph; without it the region table measured on it is used. With all: CASE=FILE,
+    /// as often as there are photographs
+    #[arg(long, value_name = "[CASE=]FILE")]
+    photo: Vec<String>,
+    /// With all: a folder of photographs, each known by its SHA-256 or by its name, as in
+    /// cornell.png
+    #[arg(long, value_name = "DIR")]
+    photos: Option<PathBuf>,
+    /// The seven band images of cornell-ccd: the folder of 400nm.exr to 700nm.exr, or the archive
+    #[arg(long, value_name = "DIR|ZIP")]
+    bands: Option<PathBuf>,
+    /// Vertices picked in the band images, which the pose of their camera is fitted to
+    #[arg(long, value_name = "FILE.csv", requires = "bands")]
+    points: Option<PathBuf>,
+    /// Folder for reports and images [default: out/validate-CASE]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    effort: Effort,
+}
+
+pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    if arguments.case == "all" {
+        return all::run(arguments);
+    }
+    one::run(Case::named(&arguments.case)?, arguments)
+}
+
+impl Arguments {
+    /// The folder that everything is written into.
+    fn folder(&self) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| PathBuf::from(format!("out/validate-{}", self.case)))
+    }
+}

@@ -1,0 +1,115 @@
+//! One case: rendered, then handed to the harness together with what it is held against.
+
+use super::Arguments;
+use super::cases::{Against, Case};
+use super::photographs;
+use crate::cli::print;
+use crate::cli::render::render_to_files;
+use etalon::error::{Error, Result};
+use etalon::image::Layers;
+use etalon::python::{Environment, PEERS, VALIDATION, project_root};
+use etalon::scene::Scene;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Size of the picture that is compared with a peer: 8x8 blocks are averaged.
+const PEERS_RESOLUTION: [u32; 2] = [128, 128];
+
+/// Where the pictures of a case are, and how they were made.
+struct Rendered {
+    case: PathBuf,
+    output: PathBuf,
+    exr: PathBuf,
+    samples_per_pixel: u64,
+}
+
+pub fn run(case: &Case, arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    if arguments.photos.is_some() {
+        return Err(Error::new("--photos goes with all").hint("give --photo FILE").into());
+    }
+    let photo = photographs::of_one(case, &arguments.photo)?;
+    let bands = bands(case, arguments)?;
+    arguments.effort.start_threads()?;
+    let rendered = render(case, arguments)?;
+    let words = match case.against {
+        Against::Photograph => optional("--photo", photo.as_deref()),
+        Against::Bands => {
+            let mut words = optional("--bands", bands.as_deref());
+            words.extend(optional("--points", arguments.points.as_deref()));
+            words
+        }
+        Against::Exposure => vec!["--threads".into(), rayon::current_num_threads().to_string().into()],
+        Against::Peer => vec![
+            "--spp".into(),
+            rendered.samples_per_pixel.to_string().into(),
+            "--spectra".into(),
+            project_root()?.join("spectra").into(),
+        ],
+    };
+    judge(case, &rendered, words)?;
+    print(&format!("report: {}", rendered.output.join(case.report()).display()));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The band images, where the case needs them.
+fn bands(case: &Case, arguments: &Arguments) -> Result<Option<PathBuf>> {
+    match (&arguments.bands, case.against == Against::Bands) {
+        (None, true) => Err(Error::new("the seven band images of Cornell's CCD are not part of this project")
+            .hint("get box_exr.zip from the page Cornell Box Comparison, www.graphics.cornell.edu, and give it or its folder as --bands")),
+        (Some(_), false) => {
+            Err(Error::new(format!("the case {} has no bands", case.name)).hint("leave out --bands"))
+        }
+        (Some(bands), true) if !bands.exists() => {
+            Err(Error::new("the band images cannot be found").hint("check the path").in_file(bands))
+        }
+        (bands, _) => Ok(bands.clone()),
+    }
+}
+
+fn optional(option: &str, value: Option<&Path>) -> Vec<OsString> {
+    value.map_or_else(Vec::new, |value| vec![option.into(), value.into()])
+}
+
+fn environment(case: &Case) -> Result<Environment> {
+    Environment::prepare(if case.against == Against::Peer { &PEERS } else { &VALIDATION })
+}
+
+fn render(case: &Case, arguments: &Arguments) -> anyhow::Result<Rendered> {
+    let folder = project_root()?.join("reference").join(case.folder);
+    let output = arguments.folder();
+    std::fs::create_dir_all(&output).map_err(|e| Error::io(&output, "make the folder", &e))?;
+    // Before rendering: an environment that cannot be made should not cost a render.
+    environment(case)?;
+    let scene = Scene::load(&folder.join("scene.json"))?;
+    let mut effort = arguments.effort.clone();
+    effort.integrator.get_or_insert(case.integrator);
+    if case.against == Against::Peer {
+        effort.resolution.get_or_insert(PEERS_RESOLUTION);
+    }
+    let view = effort.resize(scene.view()?);
+    let (exr, png) = (output.join("render.exr"), output.join("render.png"));
+    let spp = case.samples_per_pixel;
+    let facts = render_to_files(&scene, &view, &effort, spp, Layers::default(), &exr, Some(&png))?;
+    let samples_per_pixel = facts.samples_per_pixel;
+    print(&format!(
+        "rendered {} with {samples_per_pixel} samples per pixel in {:.1} s",
+        scene.name, facts.seconds
+    ));
+    Ok(Rendered { case: folder, output, exr, samples_per_pixel })
+}
+
+/// Lets the harness write the report.
+fn judge(case: &Case, rendered: &Rendered, more: Vec<OsString>) -> anyhow::Result<()> {
+    let mut words: Vec<OsString> =
+        vec!["--case".into(), (&rendered.case).into(), "--render".into(), (&rendered.exr).into()];
+    words.extend(["-o".into(), (&rendered.output).into()]);
+    words.extend(more);
+    let command = match case.against {
+        Against::Photograph => "score",
+        Against::Bands => "bands",
+        Against::Exposure => "exposure",
+        Against::Peer => "peers",
+    };
+    environment(case)?.run_module(command, &words, None)
+}
