@@ -49,6 +49,25 @@ class Lamp:
         return {"point": {"position": centre(shape["shape"]), "distribution": distribution, "emission": emission}}
 
 
+@dataclass(frozen=True)
+class Renderer:
+    """The program etalon, and how much it is to render."""
+
+    program: Path
+    spp: int
+    threads: int | None = None
+
+    def render(self, source, size, seed, output):
+        """Renders a scene file to an EXR and reads it."""
+        command = [self.program, "render", source, "-o", output, "--spp", self.spp, "--seed", seed, "--resolution", f"{size[0]}x{size[1]}"]
+        if self.threads:
+            command += ["--threads", self.threads]
+        done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise InputError(source, done.stderr.strip() or "cannot be rendered", "render it by hand to see why")
+        return read_render(output)
+
+
 def lamp_object(scene, name):
     """The scene's object of this name; a `KeyError` where it is no luminous sphere or quad."""
     found = next((entry for entry in scene["objects"] if entry.get("name") == name), None)
@@ -73,7 +92,7 @@ def scenes(scene, lamp):
     return [scene | {"objects": others, "lights": scene.get("lights", []) + [light]} for light in lights]
 
 
-def render_basis(program, case, lamp, size, spp, seed, folder):
+def render_basis(renderer, case, lamp, size, seed, folder):
     """Renders (k) of a case's scene under each basis function, at `size`; files stay in `folder`."""
     file = Path(case) / "scene.json"
     scene = read_json(file, "a case needs a scene.json")
@@ -85,10 +104,5 @@ def render_basis(program, case, lamp, size, spp, seed, folder):
         source = file if lamp is None else folder / f"{Path(case).name}-{index}.json"
         if lamp is not None:
             source.write_text(json.dumps(variant), encoding="utf-8")
-        output = folder / f"{Path(case).name}-{index}.exr"
-        command = [program, "render", source, "-o", output, "--spp", spp, "--seed", seed + index, "--resolution", f"{size[0]}x{size[1]}"]
-        done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise InputError(source, done.stderr.strip() or "cannot be rendered", "render it by hand to see why")
-        renders.append(read_render(output))
+        renders.append(renderer.render(source, size, seed + index, folder / f"{Path(case).name}-{index}.exr"))
     return renders

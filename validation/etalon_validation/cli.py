@@ -10,8 +10,6 @@ from .pages_cli import add_commands
 
 # Samples per pixel of the peer.
 PEER_SPP = 4096
-# Samples per pixel of each basis picture of a cross-prediction.
-CROSS_SPP = 128
 # Runs of each integrator whose efficiency is measured, with a reference and without.
 REPEATS = 5
 REPEATS_ALONE = 16
@@ -59,14 +57,6 @@ def parser():
     efficiency.add_argument("--resolution", help="WxH, without a reference; default the scene's own")
     efficiency.add_argument("--json", action="store_true", help="without a reference: print JSON instead of text")
     efficiency.set_defaults(run=run_efficiency)
-
-    cross = commands.add_parser("cross-predict", help="fit what is unknown on one photograph and predict another")
-    cross.add_argument("--plan", type=Path, required=True, help="cross.json: the two cases, the lamp, the unknowns")
-    cross.add_argument("--program", type=Path, default=Path("target/release/etalon"), help="the program etalon")
-    cross.add_argument("--photo", type=Path, nargs=2, metavar=("FITTED", "PREDICTED"), default=(None, None), help="the photographs; without them the region tables stand in")
-    cross.add_argument("--spp", type=int, default=CROSS_SPP, help="samples per pixel of each basis picture")
-    cross.add_argument("-o", "--output", type=Path, required=True, help="folder for cross.json and cross.html")
-    cross.set_defaults(run=run_cross)
 
     plot = commands.add_parser("plot-spectrum", help="draw the spectral table described on standard input")
     plot.add_argument("file", type=Path, help="SVG or PNG to write")
@@ -185,15 +175,6 @@ def run_efficiency(chosen):
     report = judge(samples, runs)
     print(json.dumps(report, indent=2) if chosen.json else describe_alone(report))
     return 0 if report["agree"] else 1
-
-
-def run_cross(chosen):
-    """cross.json, cross.html and what they say."""
-    from .cross import run
-
-    report = run(chosen.plan, chosen.program, chosen.photo, chosen.spp, chosen.output)
-    for line in report["statements"]:
-        print(line)
 
 
 def run_plot(chosen):

@@ -190,20 +190,24 @@ def judge(unknowns, fitted, predicted):
     )
 
 
-def predict(plan_file, program, photos, spp, output):
+def predict(plan_file, renderer, photos, output):
     """The whole comparison: renders, fits, figures; the report as a JSON object and what its pages need."""
     plan, cases, lamp = read_plan(plan_file)
     read = [read_photograph(file) if file else None for file in photos]
-    sides = []
+    sides, renders = [], []
     for index, (case, photo) in enumerate(zip(cases, read)):
         size = read_table(case / "regions.json").size
         seed = FIRST_SEED + 100 * index
-        renders = render_basis(program, case, lamp, size, spp, seed, output)
-        sides.append(prepare(case, photo, renders, sides[0].scale if sides else None))
+        found = render_basis(renderer, case, lamp, size, seed, output)
+        sides.append(prepare(case, photo, found, sides[0].scale if sides else None))
+        renders += found
     fitted, predicted = sides
     outcomes = [judge(names, fitted, predicted) for names in plan["unknowns"]]
     report = {
-        "about": plan.get("about", ""), "published": plan.get("published"), "samples_per_pixel": spp, "harness_version": __version__,
+        "kind": "cross", "scene": f"{predicted.case.name} from {fitted.case.name}", "version": renders[0].record.get("version"),
+        "integrator": renders[0].record.get("integrator"), "basis_pictures": len(renders) // 2,
+        "seconds": sum(render.record["seconds"] for render in renders), "cpu_seconds": sum(render.record["cpu_seconds"] or 0 for render in renders),
+        "about": plan.get("about", ""), "published": plan.get("published"), "samples_per_pixel": renderer.spp, "harness_version": __version__,
         "fitted_on": {"case": fitted.case.name, "file": fitted.file, "values": len(fitted.photo), "noise": fitted.noise},
         "predicted": {"case": predicted.case.name, "file": predicted.file, "values": len(predicted.scored_photo), "noise": predicted.noise},
         "scored": "pixels" if predicted.picture is not None else "regions",
@@ -285,13 +289,13 @@ def statements(report):
     return said
 
 
-def run(plan_file, program, photos, spp, output):
-    """Writes cross.json and cross.html into a folder; returns the report."""
+def run(plan_file, renderer, photos, output):
+    """Writes report.json and report.html into a folder; returns the report."""
     from .cross_report import write_pages
 
     output = Path(output)
     output.mkdir(parents=True, exist_ok=True)
-    report, sides, outcomes, lamp = predict(plan_file, program, photos, spp, output)
-    (output / "cross.json").write_text(json.dumps(report, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    report, sides, outcomes, lamp = predict(plan_file, renderer, photos, output)
+    (output / "report.json").write_text(json.dumps(report, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     write_pages(output, report, sides, outcomes, lamp)
     return report

@@ -1,26 +1,18 @@
 """The page of a cross-prediction: what was fitted on one photograph, and how the other came out."""
 
-import io
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib import pyplot
 
 from .maps import gradient
 from .overlay import display, png
+from .page import svg, today, write_page
 from .report import data_uri
+from .thumbnails import write_pair
 
 # Ends of the difference map: prediction minus photograph, over the photograph's mean.
 DIFFERENCE_RANGE = 0.5
-
-
-def svg(figure):
-    """A figure as SVG text to stand in a page."""
-    text = io.StringIO()
-    figure.savefig(text, format="svg", bbox_inches="tight", metadata={"Date": None})
-    pyplot.close(figure)
-    return text.getvalue()[text.getvalue().index("<svg") :]
 
 
 def profile_plot(report):
@@ -28,7 +20,7 @@ def profile_plot(report):
     rows = [entry for entry in report["sets"] if "lamp" in entry]
     if not rows:
         return None
-    figure, axes = pyplot.subplots(figsize=(5.2, 3.2))
+    figure, axes = pyplot.subplots(figsize=(6.4, 3.6), layout="constrained")
     for entry in rows:
         bold = entry is report["sets"][report["headline"]]
         axes.plot(entry["lamp"]["angles_deg"], entry["lamp"]["relative"], label=entry["title"].replace("exposure + ", ""), linewidth=2.5 if bold else 1)
@@ -70,12 +62,12 @@ def regions(predicted, outcome):
 
 
 def write_pages(folder, report, sides, outcomes, lamp):
-    """cross.html into a folder."""
-    engine = Environment(loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    engine.filters["percent"] = lambda value, digits=1: f"{100 * value:.{digits}f}"
-    page = engine.get_template("cross.html.jinja").render(
-        report=report, profile=profile_plot(report), images=pictures(report, sides[1], outcomes),
-        rows=regions(sides[1], outcomes[report["headline"]]), gradient=gradient("RdBu_r"), difference_range=DIFFERENCE_RANGE,
+    """report.html and the thumbnails into a folder."""
+    folder, predicted = Path(folder), sides[1]
+    best = outcomes[report["headline"]]
+    write_pair(folder, np.clip(best.model.predict(predicted.basis_pictures), 0, 1), predicted.picture)
+    write_page(
+        folder / "report.html", "cross.html.jinja", report=report, profile=profile_plot(report), images=pictures(report, predicted, outcomes),
+        rows=regions(predicted, best), gradient=gradient("RdBu_r"), difference_range=DIFFERENCE_RANGE, today=today(),
         axis=lamp.axis if lamp else None, longest=max(entry["predicted_nrmse_95"][1] for entry in report["sets"]),
     )
-    (Path(folder) / "cross.html").write_text(page, encoding="utf-8")

@@ -63,6 +63,8 @@ def against(report):
     """In words, what the render was held against."""
     if report.get("kind") == "exposure":
         return "no photograph: exposure alone"
+    if report.get("kind") == "cross":
+        return f"{report['scored']} of {report['predicted']['file']}, fitted on {report['fitted_on']['file']}"
     reference = report.get("reference", {})
     kinds = {"photograph": "photograph", "region_table": "region table measured on", "bands": "band images"}
     return f"{kinds.get(reference.get('kind'), '')} {reference.get('file', '')}".strip()
@@ -70,6 +72,8 @@ def against(report):
 
 def headline(report):
     """One sentence for a case that has no place on the common ladder, or None."""
+    if report.get("kind") == "cross":
+        return report["statements"][0]
     if report.get("kind") != "exposure":
         return None
     exposure = report["exposure"]

@@ -1,10 +1,13 @@
-"""Subcommands that write pages: exposure, bands, index, and the photographs of a folder."""
+"""Subcommands that write pages: exposure, bands, cross-prediction, index, and the photographs of a folder."""
 
 import json
 import sys
 from pathlib import Path
 
 from .errors import InputError
+
+# Samples per pixel of each basis picture of a cross-prediction.
+CROSS_SPP = 128
 
 
 def add_commands(commands):
@@ -23,6 +26,15 @@ def add_commands(commands):
     bands.add_argument("--points", type=Path, help="vertices picked in the band images, which their camera is fitted to")
     bands.add_argument("-o", "--output", type=Path, required=True)
     bands.set_defaults(run=run_bands)
+
+    cross = commands.add_parser("cross-predict", help="fit what is unknown on one photograph and predict another")
+    cross.add_argument("--plan", type=Path, required=True, help="cross.json: the two cases, the lamp, the unknowns")
+    cross.add_argument("--program", type=Path, default=Path("target/release/etalon"), help="the program etalon")
+    cross.add_argument("--photo", type=Path, nargs=2, metavar=("FITTED", "PREDICTED"), default=(None, None), help="the photographs; without them the region tables stand in")
+    cross.add_argument("--spp", type=int, default=CROSS_SPP, help="samples per pixel of each basis picture")
+    cross.add_argument("--threads", type=int, help="threads of each render; all processors if left out")
+    cross.add_argument("-o", "--output", type=Path, required=True, help="folder for report.json and report.html")
+    cross.set_defaults(run=run_cross)
 
     index = commands.add_parser("index", help="write the index page over the reports of many cases")
     index.add_argument("-o", "--output", type=Path, required=True, help="folder with a folder per case")
@@ -51,6 +63,16 @@ def run_bands(chosen):
     for warning in report["reference"]["warnings"]:
         print(f"warning: {warning}", file=sys.stderr)
     print(describe(report))
+
+
+def run_cross(chosen):
+    """report.json, report.html and what they say."""
+    from .basis import Renderer
+    from .cross import run
+
+    report = run(chosen.plan, Renderer(chosen.program, chosen.spp, chosen.threads), chosen.photo, chosen.output)
+    for line in report["statements"]:
+        print(line)
 
 
 def run_index(chosen):

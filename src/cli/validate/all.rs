@@ -6,6 +6,7 @@
 use super::Arguments;
 use super::cases::{Against, CASES, Case};
 use super::photographs::{self, Photographs};
+use crate::cli::arguments::Effort;
 use crate::cli::print;
 use etalon::error::{Error, Result};
 use etalon::python::{Environment, VALIDATION};
@@ -86,10 +87,8 @@ fn row(
     let place = folder.join(case.name);
     forget(&place)?;
     let mut words: Vec<OsString> = vec!["validate".into(), case.name.into(), "-o".into(), place.into()];
-    words.extend(arguments.effort.words().into_iter().map(OsString::from));
-    if let Some(photo) = photos.get(case.name) {
-        words.extend(["--photo".into(), photo.into()]);
-    }
+    words.extend(effort(case, arguments).words().into_iter().map(OsString::from));
+    words.extend(photographs::words(case, photos));
     if case.against == Against::Bands {
         for (option, value) in [("--bands", &arguments.bands), ("--points", &arguments.points)] {
             words.extend(value.iter().flat_map(|value| [option.into(), value.into()]));
@@ -98,6 +97,15 @@ fn row(
     let reason = run_apart(&words)?;
     let status = if reason.is_some() { Status::Failed } else { Status::Done };
     Ok(Row { case: case.name, status, reason })
+}
+
+/// The effort that a case is given: predictions set their own seeds and algorithm.
+fn effort(case: &Case, arguments: &Arguments) -> Effort {
+    let mut effort = arguments.effort.clone();
+    if matches!(case.against, Against::Another(_)) {
+        effort = Effort { integrator: None, time: None, seed: 0, ..effort };
+    }
+    effort
 }
 
 /// Removes an earlier report, which would stand for a case that now fails.

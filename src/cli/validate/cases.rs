@@ -13,6 +13,9 @@ pub enum Against {
     Bands,
     /// Nothing but the exposure that its camera is set to.
     Exposure,
+    /// A photograph, with what is unknown fitted on another one: the cases of both, the fitted
+    /// first.
+    Another([&'static str; 2]),
     /// Another renderer.
     Peer,
 }
@@ -33,11 +36,14 @@ pub struct Case {
 }
 
 /// Every case, in the order of the index page.
-pub const CASES: [Case; 7] = [
+pub const CASES: [Case; 10] = [
     Case::photographed("cornell", "cornell-photo"),
     Case::photographed("yale-grey", "yale-grey"),
     Case::photographed("yale-brown", "yale-brown"),
     Case::photographed("stanford", "stanford"),
+    Case::photographed("stanford-left", "stanford-left"),
+    Case::predicted("yale-cross", ["yale-grey", "yale-brown"]),
+    Case::predicted("stanford-cross", ["stanford", "stanford-left"]),
     Case {
         against: Against::Exposure,
         integrator: Integrator::Bdpt,
@@ -62,6 +68,15 @@ impl Case {
             against: Against::Photograph,
             integrator: Integrator::Path,
             samples_per_pixel: 512,
+        }
+    }
+
+    /// A photograph predicted from another; three pictures of each scene, of a lamp that is a point.
+    const fn predicted(name: &'static str, cases: [&'static str; 2]) -> Self {
+        Self {
+            against: Against::Another(cases),
+            samples_per_pixel: 128,
+            ..Self::photographed(name, name)
         }
     }
 

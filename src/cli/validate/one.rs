@@ -28,12 +28,15 @@ pub fn run(case: &Case, arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if arguments.photos.is_some() {
         return Err(Error::new("--photos goes with all").hint("give --photo FILE").into());
     }
+    if let Against::Another(cases) = case.against {
+        return predict(case, cases, arguments);
+    }
     let photo = photographs::of_one(case, &arguments.photo)?;
     let bands = bands(case, arguments)?;
     arguments.effort.start_threads()?;
     let rendered = render(case, arguments)?;
     let words = match case.against {
-        Against::Photograph => optional("--photo", photo.as_deref()),
+        Against::Photograph | Against::Another(_) => optional("--photo", photo.as_deref()),
         Against::Bands => {
             let mut words = optional("--bands", bands.as_deref());
             words.extend(optional("--points", arguments.points.as_deref()));
@@ -49,6 +52,32 @@ pub fn run(case: &Case, arguments: &Arguments) -> anyhow::Result<ExitCode> {
     };
     judge(case, &rendered, words)?;
     print(&format!("report: {}", rendered.output.join(case.report()).display()));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Lets the harness fit what is unknown on one photograph and predict another: it renders the
+/// scenes itself, under each basis function of the lamp, with this program.
+fn predict(case: &Case, cases: [&str; 2], arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    let effort = &arguments.effort;
+    if effort.resolution.is_some() || effort.time.is_some() || effort.integrator.is_some() || effort.seed != 0 {
+        return Err(Error::new("a prediction takes --spp and --threads alone")
+            .hint("leave --resolution, --time, --integrator and --seed out")
+            .into());
+    }
+    let photos = photographs::of_two(cases, &arguments.photo)?;
+    let plan = project_root()?.join("reference").join(case.folder).join("cross.json");
+    let spp = effort.spp.unwrap_or(case.samples_per_pixel).to_string();
+    let mut words: Vec<OsString> = vec!["--plan".into(), plan.into()];
+    words.extend(["--program".into(), std::env::current_exe()?.into(), "--spp".into(), spp.into()]);
+    words.extend(effort.threads.iter().flat_map(|n| ["--threads".into(), n.to_string().into()]));
+    if !photos.is_empty() {
+        words.push("--photo".into());
+        words.extend(photos.into_iter().map(OsString::from));
+    }
+    let output = arguments.folder();
+    words.extend(["-o".into(), output.clone().into()]);
+    environment(case)?.run_module("cross-predict", &words, None)?;
+    print(&format!("report: {}", output.join(case.report()).display()));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -107,6 +136,7 @@ fn judge(case: &Case, rendered: &Rendered, more: Vec<OsString>) -> anyhow::Resul
     words.extend(more);
     let command = match case.against {
         Against::Photograph => "score",
+        Against::Another(_) => "cross-predict",
         Against::Bands => "bands",
         Against::Exposure => "exposure",
         Against::Peer => "peers",

@@ -56,6 +56,20 @@ pub fn of_one(case: &Case, arguments: &[String]) -> Result<Option<PathBuf>> {
     }
 }
 
+/// Both photographs of a prediction, in the order of its cases, or none.
+pub fn of_two(cases: [&str; 2], arguments: &[String]) -> Result<Vec<PathBuf>> {
+    if arguments.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut found = named(arguments)?;
+    let both: Vec<PathBuf> = cases.iter().filter_map(|case| found.remove(*case)).collect();
+    if both.len() == 2 && found.is_empty() {
+        return Ok(both);
+    }
+    Err(Error::new(format!("a prediction needs the photographs of {} and {}", cases[0], cases[1]))
+        .hint(format!("give --photo {}=FILE and --photo {}=FILE, or neither", cases[0], cases[1])))
+}
+
 /// The photographs named as `CASE=FILE`.
 pub fn named(arguments: &[String]) -> Result<Photographs> {
     let mut found = Photographs::new();
@@ -72,6 +86,21 @@ pub fn named(arguments: &[String]) -> Result<Photographs> {
         }
     }
     Ok(found)
+}
+
+/// The arguments that hand a case its photographs.
+pub fn words(case: &Case, photos: &Photographs) -> Vec<OsString> {
+    match case.against {
+        Against::Another(cases) if cases.iter().all(|name| photos.contains_key(*name)) => cases
+            .iter()
+            .flat_map(|name| {
+                let mut pair = OsString::from(format!("{name}="));
+                pair.push(&photos[*name]);
+                ["--photo".into(), pair]
+            })
+            .collect(),
+        _ => photos.get(case.name).map_or_else(Vec::new, |file| vec!["--photo".into(), file.into()]),
+    }
 }
 
 /// The photographs that a folder holds, known by SHA-256 or by name.
