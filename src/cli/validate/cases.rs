@@ -73,11 +73,7 @@ impl Case {
 
     /// A photograph predicted from another; three pictures of each scene, of a lamp that is a point.
     const fn predicted(name: &'static str, cases: [&'static str; 2]) -> Self {
-        Self {
-            against: Against::Another(cases),
-            samples_per_pixel: 128,
-            ..Self::photographed(name, name)
-        }
+        Self { against: Against::Another(cases), samples_per_pixel: 128, ..Self::photographed(name, name) }
     }
 
     /// The case of a name.

@@ -59,7 +59,8 @@ pub fn run(case: &Case, arguments: &Arguments) -> anyhow::Result<ExitCode> {
 /// scenes itself, under each basis function of the lamp, with this program.
 fn predict(case: &Case, cases: [&str; 2], arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let effort = &arguments.effort;
-    if effort.resolution.is_some() || effort.time.is_some() || effort.integrator.is_some() || effort.seed != 0 {
+    if effort.resolution.is_some() || effort.time.is_some() || effort.integrator.is_some() || effort.seed != 0
+    {
         return Err(Error::new("a prediction takes --spp and --threads alone")
             .hint("leave --resolution, --time, --integrator and --seed out")
             .into());
