@@ -32,12 +32,19 @@ pub struct Channel {
 
 /// Unit of tristimulus values.
 const TRISTIMULUS: &str = "cd/m2";
-/// Unit of a tristimulus value behind the lens.
-const BEHIND_LENS: &str = "cd/m2 times lens transmission";
 /// Unit of a table's channels: sensitivities are relative.
 const RELATIVE: &str = "W sr^-1 m^-2 weighted with the relative sensitivity";
 /// Unit of a channel behind a filter.
 const FILTERED: &str = "W sr^-1 m^-2 weighted with filter transmission and detector response";
+
+/// The unit of a channel that is also weighted with the transmission of a lens.
+fn behind_lens(unit: &'static str) -> &'static str {
+    match unit {
+        RELATIVE => "W sr^-1 m^-2 weighted with the relative sensitivity and lens transmission",
+        FILTERED => "W sr^-1 m^-2 weighted with filter transmission, detector response and lens transmission",
+        _ => "cd/m2 weighted with lens transmission",
+    }
+}
 
 /// How a detector behind filters answers to light.
 #[derive(Clone, Debug)]
@@ -146,14 +153,11 @@ impl Sensor {
     pub fn behind(mut self, transmission: Dense) -> Self {
         if self.name == CIE_SENSOR {
             let own = xyz_channels().into_iter();
-            self.channels.extend(own.map(|c| Channel {
-                name: format!("{PREFIX}{}", c.name),
-                unit: BEHIND_LENS,
-                ..c
-            }));
+            self.channels.extend(own.map(|c| Channel { name: format!("{PREFIX}{}", c.name), ..c }));
         }
         for channel in self.channels.iter_mut().filter(|channel| channel.name.starts_with(PREFIX)) {
             channel.response = channel.response.times(&transmission);
+            channel.unit = behind_lens(channel.unit);
         }
         self.lens_transmission = Some(transmission);
         self

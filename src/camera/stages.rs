@@ -79,9 +79,9 @@ pub(super) fn stages(record: &CameraRecord) -> Vec<Stage> {
     let matrix = match &record.matrix {
         Some(matrix) => format!("3x{} to {:?}", record.channels.len(), matrix.to).to_lowercase(),
         None if shows_recorded(record) => "X, Y, Z to linear sRGB".to_owned(),
-        None => "none given: the picture is made of X, Y, Z, not of the sensor's channels".to_owned(),
+        None => "none is given for the sensor's channels: the picture is made of X, Y, Z".to_owned(),
     };
-    stages.push(stage("matrix", record.matrix.is_some(), matrix));
+    stages.push(stage("matrix", true, matrix));
     stages.push(stage("tone", record.tone != Tone::Linear, tone(record)));
     stages
 }
@@ -118,7 +118,6 @@ fn electronics(record: &CameraRecord) -> Vec<Stage> {
     };
     let [width, height] = record.light_sensitive_um();
     let noise = record.noise;
-    let with_noise = |on: bool| if on { "on" } else { "off" };
     let [shot, read] = [noise.is_some_and(|n| n.shot), noise.is_some_and(|n| n.read)];
     let seed = noise.map_or_else(String::new, |n| format!(", seed {}", n.seed));
     let whats = [
@@ -140,14 +139,10 @@ fn electronics(record: &CameraRecord) -> Vec<Stage> {
                 counter.dark_electrons, electronics.dark_current_electrons_per_s
             ),
         ),
-        (shot, format!("{}: variance is the mean{seed}", with_noise(shot))),
+        (shot, format!("as many electrons as arrive at random, variance equal to mean{seed}")),
         (
             read && electronics.read_noise_electrons > 0.0,
-            format!(
-                "{}: standard deviation {} electrons",
-                with_noise(read),
-                electronics.read_noise_electrons
-            ),
+            format!("standard deviation {} electrons", electronics.read_noise_electrons),
         ),
         match &electronics.digital {
             Some(digital) => (

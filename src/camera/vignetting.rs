@@ -67,12 +67,19 @@ impl Vignetting {
                 .hint("name the columns radius_mm,relative_illuminance"));
         };
         let at: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
-        if at[0] < 0.0 || at.windows(2).any(|pair| pair[1] <= pair[0]) {
-            return Err(Error::new("distances from the axis must rise from 0 on").hint("sort the rows"));
+        let falls = |row: &usize| at[*row] < 0.0 || (*row > 0 && at[*row] <= at[*row - 1]);
+        if let Some(row) = (0..at.len()).find(falls) {
+            return Err(Error::new("distances from the axis must rise from 0 on")
+                .hint("sort the rows")
+                .at(table.line_of(row), Some(1)));
         }
-        if let Some(value) = relative_illuminance.iter().find(|value| **value <= 0.0) {
-            return Err(Error::new(format!("a relative illuminance of {value} is not positive"))
-                .hint("give the illuminance relative to the axis, such as 0.87"));
+        if let Some(row) = relative_illuminance.iter().position(|value| *value <= 0.0) {
+            return Err(Error::new(format!(
+                "a relative illuminance of {} is not positive",
+                relative_illuminance[row]
+            ))
+            .hint("give the illuminance relative to the axis, such as 0.87")
+            .at(table.line_of(row), None));
         }
         Ok(Self::RadialTable { file: file.to_owned(), coordinate, at, relative_illuminance })
     }

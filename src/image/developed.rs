@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use exr::prelude::{AttributeValue, SpecificChannels, Text, WritableImage as _, attribute};
 use image::codecs::{jpeg::JpegEncoder, png::PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
+use rayon::prelude::*;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
@@ -38,14 +39,15 @@ pub fn write_developed(path: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>) 
 }
 
 /// Encoded values of all pixels, each times `scale` and rounded.
-fn encoded(darkroom: &Darkroom<'_>, scale: f64) -> impl Iterator<Item = f64> {
+fn encoded(darkroom: &Darkroom<'_>, scale: f64) -> Vec<f64> {
     let [width, height] = darkroom.resolution().map(|side| side as usize);
-    (0..width * height).flat_map(move |pixel| darkroom.display(pixel).map(|c| (c * scale).round()))
+    let pixels = (0..width * height).into_par_iter();
+    pixels.flat_map_iter(|pixel| darkroom.display(pixel).map(|c| (c * scale).round())).collect()
 }
 
 fn write_8_bits(to: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>, as_png: bool) -> Written {
     let [width, height] = darkroom.resolution();
-    let bytes: Vec<u8> = encoded(darkroom, 255.0).map(|c| c as u8).collect();
+    let bytes: Vec<u8> = encoded(darkroom, 255.0).iter().map(|c| *c as u8).collect();
     let file = BufWriter::new(File::create(to).map_err(|e| e.to_string())?);
     let exif = label.block().map_err(|e| e.to_string())?;
     let written = if as_png {
@@ -67,7 +69,7 @@ fn write_with(
 }
 
 fn write_tiff(to: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>) -> Written {
-    let values: Vec<u16> = encoded(darkroom, 65_535.0).map(|c| c as u16).collect();
+    let values: Vec<u16> = encoded(darkroom, 65_535.0).iter().map(|c| *c as u16).collect();
     let file = BufWriter::new(File::create(to).map_err(|e| e.to_string())?);
     write_page::<colortype::RGB16>(
         &mut TiffEncoder::new(file).map_err(|e| e.to_string())?,
