@@ -273,7 +273,10 @@ fn raw_values_are_those_of_the_converter() {
     let folder = folder("raw");
     write_scene(&folder, "scene", &json!({}));
     succeed(&folder, "render scene.json -o scene.exr --spp 4");
-    succeed(&folder, "develop scene.exr -o out.png --raw raw.tiff --shutter 1 --iso 6400 --without dark_current");
+    succeed(
+        &folder,
+        "develop scene.exr -o out.png --raw raw.tiff --shutter 1 --iso 6400 --without dark_current",
+    );
     let raw = image::open(folder.join("raw.tiff")).expect("a TIFF").into_rgb16();
     assert_eq!(raw.as_raw().iter().max(), Some(&4095));
     assert_eq!(raw.as_raw().iter().min(), Some(&64));
@@ -369,6 +372,8 @@ fn what_cannot_be_developed_is_refused_in_one_line() {
     write_scene(&folder, "plain", &json!({ "electronics": null }));
     succeed(&folder, "render scene.json -o scene.exr --spp 1 --png scene.png");
     succeed(&folder, "render plain.json -o plain.exr --spp 1");
+    write_scene(&folder, "nikon", &json!({ "sensor": "nikon-5100" }));
+    succeed(&folder, "render nikon.json -o nikon.exr --spp 1");
     let whole = bytes(&folder, "scene.exr");
     for (name, length) in [("cut-header.exr", 300), ("cut-pixels.exr", whole.len() - 200), ("empty.exr", 0)] {
         std::fs::write(folder.join(name), &whole[..length]).expect("written");
@@ -399,6 +404,7 @@ fn what_cannot_be_developed_is_refused_in_one_line() {
         ("older.exr", "older.exr", "missing field `tan_half_extent`"),
         ("size.exr", "size.exr", "it has 48 x 32 pixels, but its facts say 47 x 32"),
         ("plain.exr --noise", "plain.exr", "states no electronics; add electronics"),
+        ("nikon.exr --noise", "nikon.exr", "no noise would be seen"),
         ("scene.exr --seed 3", "scene.exr", "a seed without noise; add --noise"),
         ("plain.exr --raw raw.tiff", "plain.exr", "no digital values; add electronics"),
         ("scene.exr --matrix matrix.json", "matrix.json", "2 numbers for 3 channels"),

@@ -73,7 +73,7 @@ pub struct Sensor {
     /// Its channels.
     pub channels: Vec<Channel>,
     /// Share of the tabulated sensitivity's own range that lies within the transport's, for
-    /// each channel beyond XYZ.
+    /// each channel of a table.
     pub coverage: Vec<f64>,
     /// Transmission of the lens that the sensor's own channels are behind, where it is stated.
     pub lens_transmission: Option<Dense>,

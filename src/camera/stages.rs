@@ -1,7 +1,7 @@
 //! The chain from light to picture in words, and what it leaves out at the extremes.
 
 use super::darkroom::shows_recorded;
-use super::{CameraRecord, Tone};
+use super::{CameraRecord, Digital, Tone};
 use crate::scene::file::Anchor;
 use serde::Serialize;
 
@@ -69,10 +69,8 @@ pub(super) fn stages(record: &CameraRecord) -> Vec<Stage> {
             let sum = x + y + z;
             format!("light of xy ({:.4}, {:.4}) is adapted to D65 (Bradford)", x / sum, y / sum)
         }
-        (Some(_), Some(_)) => {
-            format!("channels divided by what they hold of the white, {:?}", record.white.channels)
-        }
-        (None, Some(_)) => "channels divided by what they hold of equal energy".to_owned(),
+        (Some(_), Some(_)) => balanced(record, "the white"),
+        (None, Some(_)) => balanced(record, "equal energy"),
         (None, None) => "nothing is adapted".to_owned(),
     };
     stages.push(stage("white_balance", record.white_xyz.is_some(), balance));
@@ -95,6 +93,11 @@ fn lens_transmission(record: &CameraRecord) -> Stage {
         format!("not stated; its mean is in the lens constant q = {:.4}", record.exposure_constant_q)
     };
     Stage { name: "lens_transmission", on: stated, what }
+}
+
+fn balanced(record: &CameraRecord, white: &str) -> String {
+    let holds: Vec<String> = record.white.channels.iter().map(|held| format!("{held:.4e}")).collect();
+    format!("channels divided by what they hold of 1 cd/m2 of {white}, {}", holds.join(", "))
 }
 
 fn exposure(record: &CameraRecord) -> String {
@@ -139,26 +142,29 @@ fn electronics(record: &CameraRecord) -> Vec<Stage> {
                 counter.dark_electrons, electronics.dark_current_electrons_per_s
             ),
         ),
-        (shot, format!("as many electrons as arrive at random, variance equal to mean{seed}")),
+        if shot {
+            (true, format!("electrons arrive at random, with a variance equal to their mean{seed}"))
+        } else {
+            (false, "as many electrons as are expected".to_owned())
+        },
         (
             read && electronics.read_noise_electrons > 0.0,
             format!("standard deviation {} electrons", electronics.read_noise_electrons),
         ),
-        match &electronics.digital {
-            Some(digital) => (
-                true,
-                format!(
-                    "{} electrons per number at ISO {}, black at {}, {} bits",
-                    digital.electrons_per_dn_at(record.iso),
-                    record.iso,
-                    digital.black_level_dn,
-                    digital.bit_depth
-                ),
-            ),
-            None => (false, "electrons are developed as they are".to_owned()),
-        },
+        converter(electronics.digital.as_ref(), record.iso),
     ];
     NAMES.into_iter().zip(whats).map(|(name, (on, what))| Stage { name, on, what }).collect()
+}
+
+fn converter(digital: Option<&Digital>, iso: f64) -> (bool, String) {
+    let Some(digital) = digital else { return (false, "electrons are developed as they are".to_owned()) };
+    let what = format!(
+        "{:.4} electrons per number at ISO {iso}, black at {}, {} bits",
+        digital.electrons_per_dn_at(iso),
+        digital.black_level_dn,
+        digital.bit_depth
+    );
+    (true, what)
 }
 
 fn tone(record: &CameraRecord) -> String {

@@ -2,7 +2,7 @@
 
 use super::render::check_output;
 use clap::Args;
-use etalon::camera::{CameraRecord, Darkroom, Matrix, Noise, SWITCHES, Tone};
+use etalon::camera::{CameraRecord, Darkroom, Matrix, Noise, SWITCHES, Tone, shows_recorded};
 use etalon::error::{Error, Result};
 use etalon::image::{DEVELOPED_ENDINGS, Label, Rendered, read_exr, write_developed, write_raw};
 use etalon::scene::file::Anchor;
@@ -74,6 +74,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         }
         camera.tone = Tone::Linear;
         camera = camera.settled();
+    }
+    if arguments.noise && arguments.raw.is_none() && !shows_recorded(&camera) {
+        return Err(in_file(
+            Error::new("no noise would be seen: without a matrix the picture is made of X, Y, Z, not of the sensor's channels")
+                .hint("add --matrix, or --raw for the digital values"),
+        )
+        .into());
     }
     let darkroom = Darkroom::new(&camera, &rendered.planes).map_err(in_file)?;
     let label = Label { scene: &rendered.scene, camera: &camera, tone: camera.tone };
