@@ -79,9 +79,8 @@ fn levels(darkroom: &Darkroom<'_>, channel: usize) -> Vec<f64> {
 fn the_saturation_exposure_frees_its_electrons() {
     // H = q L t / N^2 = 0.78 lx s.
     let luminance = 0.78 * 64.0 / (0.65 * 0.01);
-    // Half weights at the band's ends, as on a grid of 1 nm that is joined linearly.
-    let band = json!({ "table": {
-        "wavelengths_nm": [399, 400, 401, 699, 700, 701], "values": [0, 0.5, 1, 1, 0.5, 0] } });
+    // The nanometres from 400 to 700, ends included, on a grid that is joined linearly.
+    let band = json!({ "table": { "wavelengths_nm": [399, 400, 700, 701], "values": [0, 1, 1, 0] } });
     let camera = json!({
         "sensor": { "filter_set": { "filters": { "Y": band }, "detector": { "quantum_efficiency": 1 } } },
         "electronics": { "quantum_efficiency": 0.5, "pixel_pitch_um": [4.3, 4.3] },

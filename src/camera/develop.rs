@@ -164,7 +164,8 @@ mod tests {
         for (tone, grey) in
             [(Tone::Linear, 0.18), (Tone::Gamma(2.0), 0.18_f64.sqrt()), (Tone::Srgb, 0.461_356)]
         {
-            assert_eq!([tone.encode(-1.0), tone.encode(7.0)], [0.0, 1.0]);
+            assert_eq!(tone.encode(-1.0), 0.0);
+            assert!((tone.encode(7.0) - 1.0).abs() < 1e-12 && tone.encode(7.0) <= 1.0);
             assert!((tone.encode(0.18) - grey).abs() < 1e-6, "{tone:?}");
         }
     }

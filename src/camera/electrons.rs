@@ -6,6 +6,7 @@
 //! every pixel, as by a camera with a filter wheel: there is no mosaic of filters.
 
 use super::noise::Numbers;
+use crate::spectrum::colour::xyz_of_grid;
 use crate::spectrum::{Curve, grid_nm};
 use crate::units::constants::{LIGHT_SPEED_M_S, PLANCK_J_S};
 use serde::{Deserialize, Serialize};
@@ -134,16 +135,17 @@ pub fn electrons_per_weighted_joule(responses: impl Iterator<Item = (f64, f64)>)
 }
 
 /// Photons per um^2 within a band for an exposure of 1 lx s, by the shape of the light alone.
+///
+/// Sums over the 1 nm grid, as CIE 015 has them for luminance: each point of the grid stands for
+/// its nanometre, the band's ends included.
 pub fn photons_per_um2_lx_s(light: &Curve, from_nm: f64, to_nm: f64) -> f64 {
     /// Square micrometres in a square metre.
     const UM2_PER_M2: f64 = 1e12;
     let shape = light.shape(grid_nm());
-    let luminous = crate::spectrum::colour::xyz_of_grid(&shape)[1];
+    let luminous = xyz_of_grid(&shape)[1];
     let photons = |nm: f64, power: f64| power * nm * 1e-9 / (PLANCK_J_S * LIGHT_SPEED_M_S);
     let inside = grid_nm().zip(&shape).filter(|(nm, _)| (from_nm..=to_nm).contains(nm));
-    // Half weight at the ends of the band: the trapezoid rule.
-    let weight = |nm: f64| if nm == from_nm || nm == to_nm { 0.5 } else { 1.0 };
-    inside.map(|(nm, power)| weight(nm) * photons(nm, *power)).sum::<f64>() / luminous / UM2_PER_M2
+    inside.map(|(nm, power)| photons(nm, *power)).sum::<f64>() / luminous / UM2_PER_M2
 }
 
 #[cfg(test)]

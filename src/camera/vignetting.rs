@@ -213,8 +213,8 @@ mod tests {
         assert_eq!(field.values[0], 0.5);
         let optics = Optics { resolution: [3, 3], tan_half_extent: [0.5, 0.5], ..Optics::default() };
         assert_eq!(field.over_picture(&optics), field.values);
-        // Half the angle of view: places at a third of a pixel from the middle one.
+        // Half the angle of view upwards: half-way from the middle row to the next.
         let narrow = Optics { resolution: [1, 3], tan_half_extent: [0.5 / 3.0, 0.25], ..optics };
-        assert_eq!(field.over_picture(&narrow), [0.5, 1.0, 0.5].map(|v: f32| if v < 1.0 { 0.5 } else { v }));
+        assert_eq!(field.over_picture(&narrow), [0.75, 1.0, 0.75]);
     }
 }

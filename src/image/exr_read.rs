@@ -140,7 +140,7 @@ pub fn read_levels(path: &Path, bytes: &[u8]) -> Result<([u32; 2], Vec<f32>)> {
     let picture =
         reader.all_attributes().from_buffered(std::io::Cursor::new(bytes)).map_err(|e| undecodable(&e))?;
     let channels = &picture.layer_data.channel_data.list;
-    let named = |name: &str| channels.iter().find(|channel| channel.name == name);
+    let named = |name: &str| channels.iter().find(|channel| channel.name == *name);
     let Some(channel) = named("Y").or_else(|| named("G")) else {
         return Err(Error::new("the flat field has neither a channel Y nor G").hint("rename its channel"));
     };
