@@ -387,6 +387,8 @@ fn what_cannot_be_developed_is_refused_in_one_line() {
         bytes
     };
     std::fs::write(folder.join("negative.exr"), tampered("\"iso\":400.0", "\"iso\":-40.0")).expect("written");
+    std::fs::write(folder.join("bits.exr"), tampered("\"bit_depth\":12", "\"bit_depth\":99"))
+        .expect("written");
     std::fs::write(folder.join("older.exr"), tampered("\"tan_half_extent\"", "\"tan-half-extent\""))
         .expect("written");
     std::fs::write(folder.join("size.exr"), tampered("\"resolution\":[48,", "\"resolution\":[47,"))
@@ -401,6 +403,8 @@ fn what_cannot_be_developed_is_refused_in_one_line() {
         ("cut-header.exr", "cut-header.exr", "cannot be decoded"),
         ("cut-pixels.exr", "cut-pixels.exr", "cannot be decoded"),
         ("negative.exr", "negative.exr", "iso of -40 is not a positive number"),
+        ("bits.exr", "bits.exr", "electronics are those of no sensor"),
+        ("scene.exr --iso 1e300", "", "would be white; check --iso"),
         ("older.exr", "older.exr", "missing field `tan_half_extent`"),
         ("size.exr", "size.exr", "it has 48 x 32 pixels, but its facts say 47 x 32"),
         ("plain.exr --noise", "plain.exr", "states no electronics; add electronics"),

@@ -43,6 +43,25 @@ pub struct Digital {
     pub bit_depth: u8,
 }
 
+impl Electronics {
+    /// Whether its numbers are of a sensor: a scene's always are, those of a file may not be.
+    pub fn is_sound(&self) -> bool {
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        let counts = |value: f64| value >= 0.0 && value.is_finite();
+        self.pixel_pitch_um.iter().flatten().all(|um| positive(*um))
+            && positive(self.quantum_efficiency)
+            && self.full_well_electrons.is_none_or(positive)
+            && counts(self.read_noise_electrons)
+            && counts(self.dark_current_electrons_per_s)
+            && self.digital.is_none_or(|digital| {
+                (1..=16).contains(&digital.bit_depth)
+                    && positive(digital.electrons_per_dn)
+                    && positive(digital.base_iso)
+                    && counts(digital.black_level_dn)
+            })
+    }
+}
+
 impl Digital {
     /// Electrons for one digital number at an ISO setting.
     pub fn electrons_per_dn_at(&self, iso: f64) -> f64 {

@@ -84,6 +84,17 @@ impl Vignetting {
         Ok(Self::RadialTable { file: file.to_owned(), coordinate, at, relative_illuminance })
     }
 
+    /// Whether a profile has a value at every distance: a scene's always has, that of a file may
+    /// not.
+    pub fn is_sound(&self) -> bool {
+        match self {
+            Self::RadialTable { at, relative_illuminance, .. } => {
+                Table::new(at.clone(), relative_illuminance.clone(), Outside::Hold).is_ok()
+            }
+            _ => true,
+        }
+    }
+
     /// Relative illuminance at the middle of every pixel, in rows from the top left; `None`
     /// where there is no vignetting.
     ///

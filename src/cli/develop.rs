@@ -120,7 +120,13 @@ fn settings(arguments: &Arguments, rendered: &Rendered) -> Result<CameraRecord> 
         }
         camera = camera.without(stage).expect("the stages are those of SWITCHES");
     }
-    Ok(camera.settled())
+    let camera = camera.settled();
+    // Far beyond any camera, and well within what the files' numbers hold.
+    if (1e-30..1e30).contains(&camera.white_luminance_cd_m2) {
+        return Ok(camera);
+    }
+    Err(Error::new(format!("at this exposure {:e} cd/m2 would be white", camera.white_luminance_cd_m2))
+        .hint("check --iso, --shutter and --f-stop"))
 }
 
 fn noise(arguments: &Arguments, camera: &CameraRecord) -> Result<Noise> {

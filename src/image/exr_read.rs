@@ -108,6 +108,13 @@ fn check(camera: &CameraRecord, responses: &Responses, size: [u64; 2]) -> Result
     if let Some((value, key)) = positive.into_iter().find(|(value, _)| !(*value > 0.0 && value.is_finite())) {
         return wrong(format!("its camera's {key} of {value} is not a positive number"));
     }
+    if camera.electronics.as_ref().is_some_and(|electronics| !electronics.is_sound()) {
+        return wrong("its camera's electronics are those of no sensor".to_owned());
+    }
+    if !camera.vignetting.is_sound() {
+        return wrong("its camera's vignetting is no profile".to_owned());
+    }
+    camera.tone.check()?;
     let channels = camera.channels.len();
     let points = crate::spectrum::GRID_POINTS;
     let fits = |response: &Vec<f32>| response.len() == points;
