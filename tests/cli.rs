@@ -216,6 +216,7 @@ faults! {
     lens_above_1: ":28:5", "/camera/lens_transmission", "a transmission of 1.2 is above 1", "between 0 and 1";
     lens_and_constant: ":28:31", "/camera/exposure_constant_q", "both exposure_constant_q and lens_transmission", "keep one";
     lens_opaque: ":28:5", "/camera/lens_transmission", "the lens passes no light", "check lens_transmission";
+    matrix_of_one_channel: ":28:111", "/camera/development/fit_matrix", "a matrix is fitted to three channels, and the sensor has 1", "give the matrix itself";
     matrix_of_two_rows: ":28:45", "/camera/development/matrix/rows", "a matrix of 2 rows", "three rows";
     matrix_too_narrow: ":28:66", "/camera/development/matrix/rows/1", "2 numbers for 3 channels", "one number for every channel";
     noise_without_electronics: ":28:5", "/camera/noise", "noise without electronics", "add electronics";

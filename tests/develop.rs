@@ -106,6 +106,16 @@ fn developing_later_is_rendering_with_other_settings() {
         (json!({ "noise": { "seed": 5 } }), "--seed 6", json!({ "noise": { "seed": 6 } })),
         (json!({}), "--without vignetting", json!({ "vignetting": "none", "exposure_constant_q": STANDARD_ON_AXIS })),
         (json!({}), "--without electrons", json!({ "electronics": null })),
+        (
+            nikon.clone(),
+            "--matrix fitted --white-balance d65",
+            json!({ "development": { "fit_matrix": true } }),
+        ),
+        (
+            json!({ "sensor": "nikon-5100", "development": { "fit_matrix": true } }),
+            "--white-balance cie-a",
+            json!({ "white_balance": "cie-a" }),
+        ),
         (nikon.clone(), "--matrix matrix.json", json!({ "development": { "matrix": srgb } })),
         (
             nikon,
@@ -374,6 +384,14 @@ fn what_cannot_be_developed_is_refused_in_one_line() {
     succeed(&folder, "render plain.json -o plain.exr --spp 1");
     write_scene(&folder, "nikon", &json!({ "sensor": "nikon-5100" }));
     succeed(&folder, "render nikon.json -o nikon.exr --spp 1");
+    let filters = json!({ "B450": "cornell-filter-450", "B550": "cornell-filter-550" });
+    write_scene(
+        &folder,
+        "bands",
+        &json!({
+        "sensor": { "filter_set": { "filters": filters, "detector": { "quantum_efficiency": 1 } } } }),
+    );
+    succeed(&folder, "render bands.json -o bands.exr --spp 1");
     let whole = bytes(&folder, "scene.exr");
     for (name, length) in [("cut-header.exr", 300), ("cut-pixels.exr", whole.len() - 200), ("empty.exr", 0)] {
         std::fs::write(folder.join(name), &whole[..length]).expect("written");
@@ -413,6 +431,8 @@ fn what_cannot_be_developed_is_refused_in_one_line() {
         ("plain.exr --raw raw.tiff", "plain.exr", "no digital values; add electronics"),
         ("scene.exr --matrix matrix.json", "matrix.json", "2 numbers for 3 channels"),
         ("scene.exr --matrix broken.json", "broken.json:2:16", "EOF"),
+        ("nikon.exr --matrix fitted", "nikon.exr", "a matrix is fitted to a white"),
+        ("bands.exr --matrix fitted --white-balance d65", "bands.exr", "and the sensor has 2"),
         ("scene.exr --matrix none.json", "none.json", "cannot read the matrix"),
         ("scene.exr --white-balance d66", "", "unknown spectrum \"d66\""),
     ] {

@@ -69,6 +69,16 @@ pub enum MatrixTarget {
     Srgb,
 }
 
+impl MatrixTarget {
+    /// What it is called.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Xyz => "X, Y, Z under D65",
+            Self::Srgb => "linear sRGB",
+        }
+    }
+}
+
 impl Matrix {
     /// Refuses a matrix that does not fit a sensor of so many channels.
     pub fn check(&self, channels: usize) -> Result<()> {

@@ -36,6 +36,7 @@ mod develop;
 mod electrons;
 mod exposure;
 mod film;
+mod fit;
 mod lens;
 mod noise;
 mod record;
@@ -51,7 +52,7 @@ pub use electrons::{
 pub use exposure::{Exposure, STANDARD_Q, STANDARD_Q_ON_AXIS, clear_lens_q};
 pub use film::{BlockStatistics, Film};
 pub use lens::{Camera, CameraPlacement, LensAperture};
-pub use record::{CameraRecord, ChannelRecord, Optics, Responses, White};
+pub use record::{CameraRecord, ChannelRecord, Optics, Responses, Seen, White};
 pub use sensor::{CIE_SENSOR, Channel, Detector, Sensor, uncovered_share};
 pub use stages::{SWITCHES, Stage};
 pub use vignetting::{Coordinate, FLAT_FIELD_CHANNEL, FlatField, Vignetting, cos4};

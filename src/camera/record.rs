@@ -8,8 +8,8 @@ use super::develop::{Matrix, Tone};
 use super::electrons::{Counter, Electronics, Noise};
 use super::{Exposure, Sensor, Stage, Vignetting};
 use crate::scene::file::Anchor;
-use crate::spectrum::colour::{Xyz, xyz_of_grid};
-use crate::spectrum::{Curve, FIRST_NM, LampSpectrum, between_grid_points, grid_nm};
+use crate::spectrum::colour::{Xyz, xyz_at, xyz_of_grid};
+use crate::spectrum::{FIRST_NM, LampSpectrum, between_grid_points, grid_nm};
 use crate::units::{FStop, Iso, Seconds};
 use serde::{Deserialize, Serialize};
 
@@ -62,6 +62,8 @@ pub struct CameraRecord {
     pub noise: Option<Noise>,
     /// From white-balanced channels to X, Y, Z or sRGB; `None` develops X, Y, Z.
     pub matrix: Option<Matrix>,
+    /// Whether that matrix was fitted to the sensitivities, so that another white needs another.
+    pub has_fitted_matrix: bool,
     /// Encoding of developed pictures.
     pub tone: Tone,
     /// Pixels in which a channel saturates; `None` without electronics.
@@ -160,40 +162,53 @@ impl Responses {
         }
     }
 
-    /// What the camera sees of equal energy at every wavelength, to which it is balanced where
-    /// no white is named.
-    pub fn equal_energy(&self) -> White {
-        self.white(&Curve::Constant(1.0).into())
-    }
-
     /// What the camera sees of a light that is not black.
     pub fn white(&self, light: &LampSpectrum) -> White {
-        let continuum: Vec<f64> = grid_nm().map(|nm| light.continuum().at(nm)).collect();
         let luminance = light.xyz()[1];
-        let weighted = |response: &[f32]| {
-            let response: Vec<f64> = response.iter().map(|r| f64::from(*r)).collect();
-            let lines =
-                light.visible_lines().map(|line| line.power * between_grid_points(&response, line.nm));
-            continuum.iter().zip(&response).map(|(c, r)| c * r).sum::<f64>() + lines.sum::<f64>()
-        };
         let behind_lens_xyz = match &self.lens_transmission {
-            None => light.xyz(),
+            None => light.xyz().map(|c| c / luminance),
             Some(lens) => {
-                let passed: Vec<f64> = continuum.iter().zip(lens).map(|(c, t)| c * f64::from(*t)).collect();
                 let lens: Vec<f64> = lens.iter().map(|t| f64::from(*t)).collect();
-                light.visible_lines().fold(xyz_of_grid(&passed), |sum, line| {
-                    let of_line = crate::spectrum::colour::xyz_at(line.nm);
-                    let power = line.power * between_grid_points(&lens, line.nm);
-                    std::array::from_fn(|i| sum[i] + power * of_line[i])
-                })
+                self.under(light, |nm| between_grid_points(&lens, nm)).xyz
             }
         };
         White {
-            luminous_transmission: behind_lens_xyz[1] / luminance,
-            behind_lens_xyz: behind_lens_xyz.map(|c| c / luminance),
-            channels: self.channels.iter().map(|response| weighted(response) / luminance).collect(),
+            luminous_transmission: behind_lens_xyz[1],
+            behind_lens_xyz,
+            channels: self.under(light, |_| 1.0).channels,
         }
     }
+
+    /// What is seen of a surface with this reflectance from 360 to 830 nm, where a light has
+    /// 1 cd/m2.
+    pub fn under(&self, light: &LampSpectrum, reflectance: impl Fn(f64) -> f64) -> Seen {
+        let luminance = light.xyz()[1];
+        let reflected: Vec<f64> =
+            grid_nm().map(|nm| light.continuum().at(nm) * reflectance(nm) / luminance).collect();
+        let lines: Vec<(f64, f64)> = light
+            .visible_lines()
+            .map(|line| (line.nm, line.power * reflectance(line.nm) / luminance))
+            .collect();
+        let weighted = |response: &Vec<f32>| {
+            let response: Vec<f64> = response.iter().map(|r| f64::from(*r)).collect();
+            let of_lines = lines.iter().map(|(nm, power)| power * between_grid_points(&response, *nm));
+            reflected.iter().zip(&response).map(|(c, r)| c * r).sum::<f64>() + of_lines.sum::<f64>()
+        };
+        let xyz = lines.iter().fold(xyz_of_grid(&reflected), |sum, (nm, power)| {
+            let of_line = xyz_at(*nm);
+            std::array::from_fn(|i| sum[i] + power * of_line[i])
+        });
+        Seen { xyz, channels: self.channels.iter().map(weighted).collect() }
+    }
+}
+
+/// A surface as the observer and as a camera see it.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// Tristimulus values, before any lens.
+    pub xyz: Xyz,
+    /// What each recorded channel holds.
+    pub channels: Vec<f64>,
 }
 
 impl CameraRecord {

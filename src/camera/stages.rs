@@ -37,7 +37,7 @@ impl CameraRecord {
             "vignetting" => self.vignetting = super::Vignetting::None,
             "electrons" => (self.electronics, self.noise) = (None, None),
             "white_balance" => self.white_xyz = None,
-            "matrix" => self.matrix = None,
+            "matrix" => (self.matrix, self.has_fitted_matrix) = (None, false),
             "shot_noise" => self.noise = self.noise.map(|n| super::Noise { shot: false, ..n }),
             "read_noise" => self.noise = self.noise.map(|n| super::Noise { read: false, ..n }),
             "full_well" | "dark_current" | "digital_values" => {
@@ -75,7 +75,11 @@ pub(super) fn stages(record: &CameraRecord) -> Vec<Stage> {
     };
     stages.push(stage("white_balance", record.white_xyz.is_some(), balance));
     let matrix = match &record.matrix {
-        Some(matrix) => format!("3x{} to {:?}", record.channels.len(), matrix.to).to_lowercase(),
+        Some(matrix) => {
+            let fitted =
+                if record.has_fitted_matrix { ", fitted to the ColorChecker's reflectances" } else { "" };
+            format!("3x{} to {}{fitted}", record.channels.len(), matrix.to.name())
+        }
         None if shows_recorded(record) => "X, Y, Z to linear sRGB".to_owned(),
         None => "none is given for the sensor's channels: the picture is made of X, Y, Z".to_owned(),
     };

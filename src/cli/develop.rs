@@ -6,7 +6,8 @@ use etalon::camera::{CameraRecord, Darkroom, Matrix, Noise, SWITCHES, Tone, show
 use etalon::error::{Error, Result};
 use etalon::image::{DEVELOPED_ENDINGS, Label, Rendered, read_exr, write_developed, write_raw};
 use etalon::scene::file::Anchor;
-use etalon::scene::{check_white, white_named};
+use etalon::scene::{check_white, equal_energy, white_named};
+use etalon::spectrum::LampSpectrum;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -32,8 +33,9 @@ pub struct Arguments {
     /// Built-in light that becomes white, or none
     #[arg(long, value_name = "NAME")]
     white_balance: Option<String>,
-    /// From the sensor's channels to colours: a JSON file such as {"to": "srgb", "rows": [...]}
-    #[arg(long, value_name = "FILE.json")]
+    /// From the sensor's channels to colours: a JSON file such as {"to": "srgb", "rows": [...]},
+    /// or fitted, which shows the ColorChecker's reflectances best under the white
+    #[arg(long, value_name = "FILE.json | fitted")]
     matrix: Option<PathBuf>,
     /// Encoding: srgb, linear, or gamma=2.2
     #[arg(long, value_name = "TONE", value_parser = tone)]
@@ -102,22 +104,15 @@ fn settings(arguments: &Arguments, rendered: &Rendered) -> Result<CameraRecord> 
     camera.f_stop = arguments.f_stop.unwrap_or(camera.f_stop);
     camera.anchor = arguments.anchor.unwrap_or(camera.anchor);
     camera.tone = arguments.tone.unwrap_or(camera.tone);
-    if let Some(file) = &arguments.matrix {
-        let matrix = read_matrix(file)?;
-        matrix.check(camera.channels.len()).map_err(|e| e.in_file(file))?;
-        camera.matrix = Some(matrix);
-    }
     if arguments.noise || arguments.seed.is_some() {
         camera.noise = Some(noise(arguments, &camera).map_err(in_render)?);
     }
-    if let Some(name) = &arguments.white_balance {
-        whiten(&mut camera, name, rendered)?;
-    }
+    let without_white = arguments.without.contains(&"white_balance");
+    let white = if without_white { Some("none") } else { arguments.white_balance.as_deref() };
+    let light = white.map(|name| whiten(&mut camera, name, rendered)).transpose()?;
+    set_matrix(&mut camera, arguments, light.as_ref(), rendered).map_err(in_render)?;
     check_white(&camera.white, camera.matrix.is_some()).map_err(in_render)?;
     for stage in &arguments.without {
-        if *stage == "white_balance" {
-            whiten(&mut camera, "none", rendered)?;
-        }
         camera = camera.without(stage).expect("the stages are those of SWITCHES");
     }
     let camera = camera.settled();
@@ -147,13 +142,41 @@ fn noise(arguments: &Arguments, camera: &CameraRecord) -> Result<Noise> {
     })
 }
 
-fn whiten(camera: &mut CameraRecord, name: &str, rendered: &Rendered) -> Result<()> {
-    if name == "none" {
-        (camera.white_xyz, camera.white) = (None, rendered.responses.equal_energy());
-        return Ok(());
+/// Sets the light that becomes white, and gives it back.
+fn whiten(camera: &mut CameraRecord, name: &str, rendered: &Rendered) -> Result<LampSpectrum> {
+    let (light, xyz) = if name == "none" {
+        (equal_energy(), None)
+    } else {
+        let (light, xyz) = white_named(name)?;
+        (light, Some(xyz))
+    };
+    (camera.white_xyz, camera.white) = (xyz, rendered.responses.white(&light));
+    Ok(light)
+}
+
+/// Sets the matrix that is asked for; one that was fitted to another white is fitted again.
+fn set_matrix(
+    camera: &mut CameraRecord,
+    arguments: &Arguments,
+    light: Option<&LampSpectrum>,
+    rendered: &Rendered,
+) -> Result<()> {
+    let fit =
+        arguments.matrix.as_deref().map_or(camera.has_fitted_matrix, |file| file == Path::new("fitted"));
+    match (&arguments.matrix, light) {
+        (Some(file), _) if !fit => {
+            let matrix = read_matrix(file)?;
+            matrix.check(camera.channels.len()).map_err(|e| e.in_file(file))?;
+            (camera.matrix, camera.has_fitted_matrix) = (Some(matrix), false);
+        }
+        (_, Some(light)) if fit => camera.matrix = Some(rendered.responses.fitted_matrix(light)?),
+        (Some(_), None) if !camera.has_fitted_matrix => {
+            return Err(Error::new("a matrix is fitted to a white")
+                .hint("add --white-balance with the name of a light, or none"));
+        }
+        _ => {}
     }
-    let (light, xyz) = white_named(name)?;
-    (camera.white_xyz, camera.white) = (Some(xyz), rendered.responses.white(&light));
+    camera.has_fitted_matrix = fit && camera.matrix.is_some();
     Ok(())
 }
 

@@ -33,6 +33,8 @@ pub struct Chain {
     pub noise: Option<Noise>,
     /// From channels to colours.
     pub matrix: Option<Matrix>,
+    /// Whether that matrix was fitted to the sensitivities.
+    pub has_fitted_matrix: bool,
     /// Encoding.
     pub tone: Tone,
 }
@@ -43,6 +45,8 @@ pub(super) struct White {
     pub xyz: Option<Xyz>,
     /// What the camera sees of it.
     pub seen: camera::White,
+    /// The matrix that shows colours best under it, where one is asked for.
+    pub matrix: Option<Matrix>,
 }
 
 /// Whether a scene states a fall-off by itself.
@@ -53,7 +57,7 @@ pub(super) const fn falls_off(file: &CameraFile) -> bool {
 pub(super) fn build(
     file: &CameraFile,
     sensor: &Sensor,
-    white: camera::White,
+    white: White,
     sensor_q: f64,
     half_extent: [f64; 2],
     spectra: &mut Spectra<'_>,
@@ -74,18 +78,19 @@ pub(super) fn build(
         (None, _) => None,
     };
     let at = |key: &'static str| move |e: Error| e.under(key).under("development");
-    if let Some(matrix) = &file.development.matrix {
+    if let Some(matrix) = &white.matrix {
         matrix.check(sensor.recorded().count()).map_err(at("matrix"))?;
     }
     let tone = file.development.tone.check().map_err(at("tone"))?;
     Ok(Chain {
         sensor_q,
-        white,
+        white: white.seen,
         vignetting,
         flat_field,
         electronics,
         noise,
-        matrix: file.development.matrix.clone(),
+        matrix: white.matrix,
+        has_fitted_matrix: file.development.fit_matrix,
         tone,
     })
 }
@@ -148,17 +153,30 @@ fn filter_set(
 /// The light that a scene's camera develops white; equal energy where it names none.
 pub(super) fn white(file: &CameraFile, sensor: &Sensor, spectra: &mut Spectra<'_>) -> Result<White> {
     let responses = Responses::of(sensor);
-    let (seen, xyz) = match &file.white_balance {
-        None => (responses.equal_energy(), None),
+    let (light, xyz) = match &file.white_balance {
+        None => (equal_energy(), None),
         Some(spectrum) => {
             let at = |e: Error| e.under("white_balance");
             let light = spectra.emission(spectrum).map_err(at)?;
             let xyz = visible(&light).map_err(at)?;
-            (responses.white(&light), Some(xyz))
+            (light, Some(xyz))
         }
     };
-    check_white(&seen, file.development.matrix.is_some()).map_err(|e| e.under("white_balance"))?;
-    Ok(White { xyz, seen })
+    let seen = responses.white(&light);
+    let with_matrix = file.development.matrix.is_some() || file.development.fit_matrix;
+    check_white(&seen, with_matrix).map_err(|e| e.under("white_balance"))?;
+    let matrix = match (&file.development.matrix, file.development.fit_matrix) {
+        (Some(_), true) => Err(Error::new("both matrix and fit_matrix are given").hint("keep one")),
+        (_, true) => responses.fitted_matrix(&light).map(Some),
+        (matrix, false) => Ok(matrix.clone()),
+    };
+    let matrix = matrix.map_err(|e| e.under("fit_matrix").under("development"))?;
+    Ok(White { xyz, seen, matrix })
+}
+
+/// The light that a camera without a white is balanced to.
+pub fn equal_energy() -> LampSpectrum {
+    Curve::Constant(1.0).into()
 }
 
 /// A built-in light by name, with its tristimulus values.

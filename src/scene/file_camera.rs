@@ -180,6 +180,10 @@ pub struct DevelopmentFile {
     /// X, Y, Z.
     #[serde(default)]
     pub matrix: Option<Matrix>,
+    /// Whether the matrix is computed instead: the one that shows the 24 reflectances of the
+    /// ColorChecker best under the white, for a sensor of three channels. Default false.
+    #[serde(default)]
+    pub fit_matrix: bool,
     /// Encoding. Default `srgb`.
     #[serde(default)]
     pub tone: Tone,

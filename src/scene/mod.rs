@@ -13,7 +13,7 @@ mod read;
 mod spectra;
 mod view;
 
-pub use chain::{Chain, check_white, white_named};
+pub use chain::{Chain, check_white, equal_energy, white_named};
 pub use plan::Plan;
 pub use reach::{Unreachable, unreachable, unreachable_by_instrument};
 pub use view::CameraFacts;

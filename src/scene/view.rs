@@ -66,6 +66,7 @@ impl View {
             electronics: chain.electronics,
             noise: chain.noise,
             matrix: chain.matrix,
+            has_fitted_matrix: chain.has_fitted_matrix,
             tone: chain.tone,
             saturated_pixels: None,
             stages: Vec::new(),
@@ -142,9 +143,10 @@ pub(super) fn build(file: &CameraFile, built: &Built, spectra: &mut Spectra<'_>)
     let camera =
         Camera::new(placement(file, built)?, file.resolution, half_extent, file.principal_point_px, aperture);
     let sensor = chain::sensor(file, spectra)?;
-    let chain::White { xyz: white, seen } = chain::white(file, &sensor, spectra)?;
-    let exposure = Exposure { q: sensor_q * seen.luminous_transmission, ..exposure };
-    let chain = chain::build(file, &sensor, seen, sensor_q, half_extent, spectra)?;
+    let light = chain::white(file, &sensor, spectra)?;
+    let white = light.xyz;
+    let exposure = Exposure { q: sensor_q * light.seen.luminous_transmission, ..exposure };
+    let chain = chain::build(file, &sensor, light, sensor_q, half_extent, spectra)?;
     let metres_per_unit = built.geometry.metres_per_unit();
     Ok(View { camera, exposure, sensor, focal_length_mm, image_distance_mm, metres_per_unit, white, chain })
 }
