@@ -267,6 +267,34 @@ fn full_wells_clip_and_digits_round() {
     assert_eq!(darkroom.saturated_pixels(), Some(full as u64));
 }
 
+/// Where light of the white fills the wells, the picture is white as well, at the level of the
+/// first channel that is full: not the colour of the channels that have room left.
+#[test]
+fn what_is_too_bright_is_white() {
+    let camera = json!({
+        "sensor": "nikon-5100", "white_balance": "cie-a",
+        "electronics": {
+            "quantum_efficiency": 0.5, "pixel_pitch_um": [4, 4], "full_well_electrons": 20_000, "bit_depth": 12 },
+        "development": { "fit_matrix": true, "tone": "linear" },
+    });
+    let scene = scene(&ball(1.0, &json!("cie-a"), &camera));
+    let (record, _) = even(&scene, 1.0);
+    let per_value = record.counter().expect("electronics").electrons_per_value;
+    let most = record.white.channels.iter().fold(0.0, |a: f64, b| a.max(*b));
+    let full_luminance = 20_000.0 / (per_value * most);
+    let level = |luminance: f64| {
+        let (record, planes) = even(&scene, luminance);
+        Darkroom::new(&record, &planes).expect("all channels").linear(0)
+    };
+    let full = full_luminance / record.white_luminance_cd_m2;
+    // A step of 12 bits is one part in 4095 of the fullest channel, more of the others.
+    for (luminance, truth) in [(0.5 * full_luminance, 0.5 * full), (2.0 * full_luminance, full)] {
+        for channel in level(luminance) {
+            assert!((channel / truth - 1.0).abs() < 0.005, "{channel} against {truth}");
+        }
+    }
+}
+
 /// Filters before a detector and a matrix: what is lit by the white light is neutral, at the
 /// level that its luminance has.
 #[test]

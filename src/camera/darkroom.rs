@@ -39,6 +39,9 @@ pub struct Darkroom<'a> {
     shows_recorded: bool,
     falloff: Option<Vec<f64>>,
     counter: Option<Counter<'a>>,
+    /// What each channel is cut off at: where the first of them is full for the white, so that
+    /// what is too bright is white and not the colour of the channels that have room left.
+    highlights: Option<Vec<f64>>,
     way: Way<'a>,
 }
 
@@ -84,12 +87,19 @@ impl<'a> Darkroom<'a> {
                 tone: record.tone,
             }),
         };
+        let counter = record.counter();
+        let highlights = counter.as_ref().and_then(Counter::full_value).map(|full| {
+            let white = &record.white.channels;
+            let brightest = white.iter().fold(0.0, |a: f64, b| a.max(*b));
+            white.iter().map(|held| full * held / brightest).collect()
+        });
         Ok(Self {
+            highlights,
             shown,
             recorded,
             shows_recorded,
             falloff: record.vignetting.over_picture(&record.optics, flat_field),
-            counter: record.counter(),
+            counter,
             way,
             record,
         })
@@ -106,7 +116,8 @@ impl<'a> Darkroom<'a> {
             let value = f64::from(plane[pixel]);
             match &self.counter {
                 Some(counter) if self.shows_recorded => {
-                    counter.value_of(&self.count(counter, pixel, channel))
+                    let value = counter.value_of(&self.count(counter, pixel, channel));
+                    self.highlights.as_ref().map_or(value, |highest| value.min(highest[channel]))
                 }
                 _ => self.falloff.as_ref().map_or(value, |falloff| value * falloff[pixel]),
             }

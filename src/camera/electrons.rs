@@ -131,6 +131,16 @@ impl Counter<'_> {
         Count { level: level.clamp(0.0, white), saturated: saturated || level >= white }
     }
 
+    /// What the film holds on the axis where a count ends; `None` where it never does.
+    pub fn full_value(&self) -> Option<f64> {
+        let digital = self.electronics.digital.as_ref();
+        let converter =
+            digital.map(|d| (d.white_level_dn() - d.black_level_dn) * d.electrons_per_dn_at(self.iso));
+        let well = self.electronics.full_well_electrons;
+        let electrons = well.into_iter().chain(converter).reduce(f64::min)?;
+        Some((electrons - self.dark_electrons) / self.electrons_per_value)
+    }
+
     /// What a count says that the film held on the axis: black level and mean dark signal are
     /// subtracted, gain and exposure undone.
     pub fn value_of(&self, count: &Count) -> f64 {

@@ -21,7 +21,8 @@
 //! picture   = tone(matrix(value / what the channel holds of the white) / white luminance)
 //! ```
 //!
-//! with the quantum efficiency QE where it is largest and the gain in electrons per number,
+//! with the value cut off where the first channel is full for the white, so that highlights are
+//! white, the quantum efficiency QE where it is largest and the gain in electrons per number,
 //! in inverse proportion to the ISO setting.
 //!
 //! What depends on wavelength happens while rendering; all else happens after it, from numbers

@@ -136,7 +136,10 @@ fn electronics(record: &CameraRecord) -> Vec<Stage> {
             ),
         ),
         match electronics.full_well_electrons {
-            Some(well) => (true, format!("clips at {well} electrons")),
+            Some(well) => (
+                true,
+                format!("clips at {well} electrons; highlights are cut where the first channel is full"),
+            ),
             None => (false, "not stated".to_owned()),
         },
         (
