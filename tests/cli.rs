@@ -199,6 +199,35 @@ faults! {
     camera_sensor_0: ":23:23", "/camera/sensor_mm/1", "0 is not a positive number", "[36, 24]";
     camera_resolution_0: ":24:5", "/camera/resolution", "a picture of 0 by 24 pixels", "at least 1";
     camera_white_is_black: ":28:5", "/camera/white_balance", "a white without visible light", "d65";
+    bits_17: ":28:78", "/camera/electronics/bit_depth", "17 bits", "1 to 16 bits";
+    bits_without_gain: ":28:48", "/camera/electronics/bit_depth", "digital values without a gain", "full_well_electrons";
+    black_level_above_white: ":28:87", "/camera/electronics/black_level_dn", "a black level of 256 is not below the largest value of 8 bits", "check black_level_dn";
+    detector_negative: ":28:68", "/camera/sensor/filter_set/detector/relative_responsivity", "a response of -1 is negative", "from 0 up";
+    electronics_misspelt: ":28:21", "/camera/electronics", "unknown key \"quantum_eficiency\"", "did you mean \"quantum_efficiency\"?";
+    filter_above_1: ":28:43", "/camera/sensor/filter_set/filters/B550", "a transmission of 2 is above 1", "between 0 and 1";
+    filter_misnamed: ":28:31", "/camera/sensor/filter_set/filters", "the filter \"550 nm\" cannot name a channel", "letters and digits";
+    filter_unknown: ":28:43", "/camera/sensor/filter_set/filters/B550", "unknown spectrum \"cornell-filter-551\"", "did you mean \"cornell-filter-550\"?";
+    filter_without_detector: ":28:16", "/camera/sensor/filter_set", "the key \"detector\" is missing", "add it";
+    filters_alike: ":28:31", "/camera/sensor/filter_set/filters", "two filters are called B", "rename one";
+    filters_none: ":28:31", "/camera/sensor/filter_set/filters", "the filter set is empty", "a transmission for each channel";
+    flat_field_missing: ":28:35", "/camera/vignetting/flat_field/file", "cannot read \"nowhere.png\"", "relative to the scene's folder";
+    flat_field_no_picture: "nan.csv", "/camera/vignetting/flat_field/file", "cannot be decoded", "linear in light";
+    full_well_0: ":28:48", "/camera/electronics/full_well_electrons", "0 is not a positive number", "30000";
+    gain_without_bits: ":28:48", "/camera/electronics/electrons_per_dn", "a gain without digital values", "add bit_depth";
+    gamma_0: ":28:30", "/camera/development/tone/gamma", "a gamma of 0 is not a positive number", "2.2";
+    lens_above_1: ":28:5", "/camera/lens_transmission", "a transmission of 1.2 is above 1", "between 0 and 1";
+    lens_and_constant: ":28:31", "/camera/exposure_constant_q", "both exposure_constant_q and lens_transmission", "keep one";
+    lens_opaque: ":28:5", "/camera/lens_transmission", "the lens passes no light", "check lens_transmission";
+    matrix_of_one_channel: ":28:111", "/camera/development/fit_matrix", "a matrix is fitted to three channels, and the sensor has 1", "give the matrix itself";
+    matrix_of_two_rows: ":28:45", "/camera/development/matrix/rows", "a matrix of 2 rows", "three rows";
+    matrix_too_narrow: ":28:66", "/camera/development/matrix/rows/1", "2 numbers for 3 channels", "one number for every channel";
+    noise_without_electronics: ":28:5", "/camera/noise", "noise without electronics", "add electronics";
+    pixel_pitch_negative: ":28:72", "/camera/electronics/pixel_pitch_um/1", "-4.3 is not a positive number", "[4.3, 4.3]";
+    quantum_efficiency_above_1: ":28:21", "/camera/electronics/quantum_efficiency", "a quantum efficiency of 50 is outside 0 to 1", "such as 0.5";
+    read_noise_negative: ":28:48", "/camera/electronics/read_noise_electrons", "-3 is not a finite number from 0 up", "leave it out";
+    vignetting_below_0: "falls-below-0.csv:4", "/camera/vignetting/radial_table/file", "a relative illuminance of -0.1 is not positive", "relative to the axis";
+    vignetting_table_wrong: "two-curves.csv", "/camera/vignetting/radial_table/file", "unknown column \"wavelength_nm\"", "radius_mm, angle_deg";
+    vignetting_unknown: ":28:5", "/camera/vignetting", "unknown value \"cos3\"", "did you mean \"cos4\"?";
     meter_without_normal: ":19:61", "/meters/0/illuminance/normal", "must be finite and not zero", "[0, 0, 1]";
 }
 
@@ -311,8 +340,8 @@ fn outputs_that_cannot_be_written_are_refused_before_rendering() {
         ("folder.exr", None, "folder.exr: the output is a folder; choose another name"),
         (
             "out.exr",
-            Some("out.jpg"),
-            "out.jpg: a developed picture is a PNG or a TIFF; end the file's name in .png",
+            Some("out.bmp"),
+            "out.bmp: a developed picture is a PNG, a TIFF or a JPEG; end the file's name in .png",
         ),
         ("out.exr", Some("nowhere/out.png"), "nowhere/out.png: the folder of the output does not exist"),
     ] {

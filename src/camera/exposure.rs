@@ -1,13 +1,24 @@
 //! ISO, shutter and f-stop: how much light makes which level of the picture.
 //!
-//! The focal-plane exposure is H = q L t / N^2 (ISO 12232), with q = (pi/4) T v cos^4 for
-//! lens transmission T, vignetting v and an angle of ten degrees.
+//! The focal-plane exposure is H = q L t / N^2 (ISO 12232), with q = (pi/4) T v cos^4 (f/i)^2
+//! for lens transmission T, mechanical vignetting v, an angle of ten degrees from the axis,
+//! focal length f and image distance i. The standard's q = 0.65 stands for all of them. Where
+//! one is stated by itself, it must leave q: with a vignetting model q is that of the axis, and
+//! with a lens transmission, which is weighted wavelength by wavelength, it is (pi/4) (f/i)^2.
 
 use crate::scene::file::Anchor;
 use crate::units::{CandelasPerSquareMeter, FStop, Iso, Seconds};
 
 /// The lens constant of ISO 12232 (T = 0.9, v = 0.98, 10 degrees).
 pub const STANDARD_Q: f64 = 0.65;
+
+/// The same on the optical axis, without the fall-off to 10 degrees: (pi/4) T v.
+pub const STANDARD_Q_ON_AXIS: f64 = std::f64::consts::FRAC_PI_4 * 0.9 * 0.98;
+
+/// The lens constant of a lens that passes everything, on the axis: (pi/4) (f/i)^2.
+pub fn clear_lens_q(focal_length_mm: f64, image_distance_mm: f64) -> f64 {
+    std::f64::consts::FRAC_PI_4 * (focal_length_mm / image_distance_mm).powi(2)
+}
 
 /// Saturation exposure of ISO 12232 in lx s at ISO 1: H_sat = 78 / S.
 const SATURATION_LX_S: f64 = 78.0;
@@ -88,6 +99,15 @@ mod tests {
         assert!((sunny(Anchor::Meter).white_luminance().0 * 0.18 - 4000.0).abs() < 1e-9);
         let at_saturation = exposure.focal_plane_exposure_lx_s(exposure.saturation_luminance());
         assert!((at_saturation - 0.78).abs() < 1e-12);
+    }
+
+    /// 0.65 is (pi/4) 0.9 * 0.98 cos^4 of 10 degrees, rounded to two digits.
+    #[test]
+    fn the_standard_constant_is_the_axis_constant_at_ten_degrees() {
+        let at_ten = STANDARD_Q_ON_AXIS * crate::camera::cos4(10.0_f64.to_radians().tan());
+        assert!((at_ten - STANDARD_Q).abs() < 0.005, "{at_ten}");
+        // A lens at life size stands twice its focal length from the image: two stops.
+        assert!((clear_lens_q(50.0, 100.0) * 4.0 / clear_lens_q(50.0, 50.0) - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -65,6 +65,21 @@ impl Camera {
         &self.placement
     }
 
+    /// Tangents of half the horizontal and half the vertical angle of view.
+    pub const fn half_extent(&self) -> [f64; 2] {
+        self.half_extent
+    }
+
+    /// Offset of the principal point from the picture's middle, in pixels (right, down).
+    pub const fn principal_point_px(&self) -> [f64; 2] {
+        self.principal_point_px
+    }
+
+    /// Distance of the plane in focus in scene units; `None` for a pinhole.
+    pub fn focus_distance(&self) -> Option<f64> {
+        self.aperture.map(|aperture| aperture.focus_distance)
+    }
+
     /// Full horizontal and vertical angle of view in degrees.
     pub fn field_of_view_deg(&self) -> [f64; 2] {
         self.half_extent.map(|h| 2.0 * h.atan().to_degrees())

@@ -125,5 +125,12 @@ fn camera(text: &mut String, view: &View) -> std::fmt::Result {
             100.0 * coverage
         )?;
     }
+    let record = view.record();
+    for stage in &record.stages {
+        writeln!(text, "stage      {}: {}, {}", stage.name, if stage.on { "on" } else { "off" }, stage.what)?;
+    }
+    for warning in &record.warnings {
+        writeln!(text, "warning    {warning}")?;
+    }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod check;
+mod develop;
 mod measure;
 mod progress;
 mod render;
@@ -27,6 +28,8 @@ struct Typed {
 enum Command {
     /// Render a scene to an EXR in absolute units, and develop it as a camera would
     Render(render::Arguments),
+    /// Develop a render again, with another exposure or development
+    Develop(develop::Arguments),
     /// Explain a scene without rendering: every quantity in SI and photometric units
     Check(check::Arguments),
     /// Read a scene's illuminance and luminance meters
@@ -43,6 +46,7 @@ enum Command {
 pub fn run() -> anyhow::Result<ExitCode> {
     match Typed::parse().command {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Develop(arguments) => develop::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
         Command::Schema => schema::run(),

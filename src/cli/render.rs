@@ -4,9 +4,9 @@ use super::arguments::Effort;
 use super::progress::Bar;
 use super::strategies;
 use clap::Args;
-use etalon::camera::Development;
+use etalon::camera::{Darkroom, planes};
 use etalon::error::{Error, Result};
-use etalon::image::{Facts, Layers, write_developed, write_exr};
+use etalon::image::{DEVELOPED_ENDINGS, Facts, Label, Layers, write_developed, write_exr};
 use etalon::integrator::{Integrator, Rendering};
 use etalon::metropolis::Outcome;
 use etalon::scene::{Plan, Scene, View};
@@ -16,6 +16,9 @@ use std::process::ExitCode;
 /// Samples per pixel where nothing is said.
 pub(super) const DEFAULT_SPP: u64 = 64;
 
+/// What a developed picture may be.
+pub(super) const DEVELOPED_RULE: &str = "a developed picture is a PNG, a TIFF or a JPEG";
+
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Scene file
@@ -23,7 +26,7 @@ pub struct Arguments {
     /// EXR to write: X, Y, Z in cd/m2 with standard errors, and all facts
     #[arg(short, long, value_name = "OUT.exr")]
     output: PathBuf,
-    /// Developed picture to write as well, PNG (8 bits) or TIFF (16 bits)
+    /// Developed picture to write as well, PNG or JPEG (8 bits) or TIFF (16 bits)
     #[arg(long, value_name = "OUT.png")]
     png: Option<PathBuf>,
     #[command(flatten)]
@@ -50,7 +53,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     // Before rendering: hours of work should not end in a name that cannot be written.
     check_output(&arguments.output, &["exr"], "the output is an OpenEXR file")?;
     if let Some(png) = &arguments.png {
-        check_output(png, &["png", "tif", "tiff"], "a developed picture is a PNG or a TIFF")?;
+        check_output(png, &DEVELOPED_ENDINGS, DEVELOPED_RULE)?;
     }
     if let Some(report) = &arguments.report {
         check_output(report, &["json"], "the report is a JSON file")?;
@@ -205,6 +208,7 @@ pub fn render_to_files(
     if !plan.unreachable.is_empty() {
         eprintln!("warning: {}", missing(&plan, effort.integrator()));
     }
+    view.record().warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let budget = effort.budget(default_spp);
     let bar = Bar::new();
     let rendering = effort.integrator().render(scene, view, &plan, &budget, &bar);
@@ -218,11 +222,16 @@ pub fn render_to_files(
         return Err(NothingFound { text, outcome: outcome.clone() }.into());
     }
     let Rendering { film, elapsed, metropolis } = rendering;
-    let facts =
+    let mut facts =
         Facts { metropolis, ..Facts::of(scene, view, &plan, effort.integrator(), &budget, &film, elapsed) };
-    write_exr(exr, &film, &view.sensor, &facts, layers)?;
+    let planes = planes(&film, &view.sensor, &view.flat_field());
+    let camera = facts.camera.clone();
+    let darkroom = Darkroom::new(&camera, &planes)?;
+    facts.camera.saturated_pixels = darkroom.saturated_pixels();
+    write_exr(exr, &film, view, &facts, layers)?;
     if let Some(png) = png {
-        write_developed(png, &film, &Development::new(&view.exposure, view.white))?;
+        let label = Label { scene: &facts.scene, camera: &camera, tone: camera.tone };
+        write_developed(png, &darkroom, &label)?;
     }
     Ok(facts)
 }

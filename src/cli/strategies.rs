@@ -53,7 +53,7 @@ pub fn write(
             [("unweighted", &films.unweighted, 0), ("weighted", &films.weighted, LONGEST + 1)]
         {
             let facts = Facts::of(scene, view, &plan, effort.integrator(), &budget, film, started.elapsed());
-            write_exr(&folder.join(format!("s{s}-t{t}-{kind}.exr")), film, &view.sensor, &facts, layers)?;
+            write_exr(&folder.join(format!("s{s}-t{t}-{kind}.exr")), film, view, &facts, layers)?;
             captioned.push(([(first + s) as u32, row], format!("s{s} t{t} +{row} EV"), film));
         }
     }

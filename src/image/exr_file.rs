@@ -2,8 +2,9 @@
 
 use super::facts::Facts;
 use super::write_whole;
-use crate::camera::{Film, Sensor};
+use crate::camera::{FLAT_FIELD_CHANNEL, Film, Responses, Sensor};
 use crate::error::Result;
+use crate::scene::View;
 use crate::spectrum::colour::xyz_to_linear_srgb;
 use exr::prelude::*;
 use std::path::Path;
@@ -17,10 +18,13 @@ pub struct Layers {
 
 /// The facts stand in an attribute of this name, as JSON.
 pub const FACTS_ATTRIBUTE: &str = "etalon";
+/// The responses of the `sensor.*` channels stand in an attribute of this name, as JSON.
+pub const RESPONSES_ATTRIBUTE: &str = "etalon_sensor";
 
 /// Writes a film: `X`, `Y`, `Z` in cd/m2 and `stderr.*` with their standard errors, then the
-/// sensor's further channels.
-pub fn write_exr(path: &Path, film: &Film, sensor: &Sensor, facts: &Facts, layers: Layers) -> Result<()> {
+/// sensor's further channels, and the view's flat field where it has one.
+pub fn write_exr(path: &Path, film: &Film, view: &View, facts: &Facts, layers: Layers) -> Result<()> {
+    let sensor = &view.sensor;
     let resolution = film.resolution().map(|side| side as usize);
     let mut channels: Vec<AnyChannel<FlatSamples>> = Vec::new();
     let mut add = |name: String, value_of_pixel: &dyn Fn(usize) -> f64| {
@@ -38,6 +42,10 @@ pub fn write_exr(path: &Path, film: &Film, sensor: &Sensor, facts: &Facts, layer
             let value = |pixel| xyz_to_linear_srgb([0, 1, 2].map(|c| film.mean(pixel, c)))[index];
             add((*name).to_owned(), &value);
         }
+    }
+    let flat_field = view.flat_field();
+    if !flat_field.is_empty() {
+        add(FLAT_FIELD_CHANNEL.to_owned(), &|pixel| f64::from(flat_field[pixel]));
     }
     let mut layer = Layer::new(
         (resolution[0], resolution[1]),
@@ -77,6 +85,10 @@ fn attributes(facts: &Facts, sensor: &Sensor) -> LayerAttributes {
         attributes.other.insert(Text::new_or_panic(name), value);
     };
     other(FACTS_ATTRIBUTE, AttributeValue::Text(Text::from(json.as_str())));
+    if sensor.recorded().any(|channel| channel.name.starts_with("sensor.")) {
+        let json = serde_json::to_string(&Responses::of(sensor)).expect("responses are plain data");
+        other(RESPONSES_ATTRIBUTE, AttributeValue::Text(Text::from(json.as_str())));
+    }
     // A standard attribute by name, in mm, that the library keeps among the others.
     other("focalLength", AttributeValue::F32(facts.camera.focal_length_mm as f32));
     if sensor.channels.iter().any(|channel| channel.name.starts_with("S0.")) {
@@ -87,7 +99,7 @@ fn attributes(facts: &Facts, sensor: &Sensor) -> LayerAttributes {
 }
 
 /// JSON with everything beyond ASCII escaped: EXR text has one byte per character.
-fn ascii_only(json: &str) -> String {
+pub(super) fn ascii_only(json: &str) -> String {
     let escape = |unit: &u16| format!("\\u{unit:04x}");
     json.chars()
         .map(|c| match c {

@@ -1,6 +1,6 @@
 //! What a picture file says about itself, as one JSON text beside the standard attributes.
 
-use crate::camera::Film;
+use crate::camera::{CameraRecord, Film};
 use crate::integrator::{Budget, Integrator};
 use crate::metropolis::Outcome;
 use crate::scene::{Plan, Scene, View};
@@ -44,33 +44,6 @@ pub struct Facts {
     pub metropolis: Option<Outcome>,
 }
 
-/// A camera's settings.
-#[derive(Clone, Debug, Serialize)]
-pub struct CameraRecord {
-    /// Exposure index.
-    pub iso: f64,
-    /// Exposure time in seconds.
-    pub shutter_s: f64,
-    /// f-number.
-    pub f_stop: f64,
-    /// Lens constant q.
-    pub exposure_constant_q: f64,
-    /// Luminance that saturates.
-    pub saturation_luminance_cd_m2: f64,
-    /// Luminance that is developed to display white.
-    pub white_luminance_cd_m2: f64,
-    /// Speed point of ISO 12232.
-    pub anchor: String,
-    /// Exposure value at ISO 100.
-    pub ev100: f64,
-    /// Focal length in mm.
-    pub focal_length_mm: f64,
-    /// Sensor that the extra channels belong to.
-    pub sensor: String,
-    /// Tristimulus values of the light that is developed white; `None` adapts nothing.
-    pub white_xyz: Option<[f64; 3]>,
-}
-
 impl Facts {
     /// Gathers the facts of a finished render.
     pub fn of(
@@ -82,7 +55,6 @@ impl Facts {
         film: &Film,
         elapsed: Duration,
     ) -> Self {
-        let exposure = &view.exposure;
         Self {
             version: env!("CARGO_PKG_VERSION"),
             scene: scene.name.clone(),
@@ -92,20 +64,8 @@ impl Facts {
             seconds: elapsed.as_secs_f64(),
             cpu_seconds: cpu_seconds(),
             integrator: integrator.name(),
-            units: "X, Y, Z in cd/m2 (Y is luminance); stderr.* their standard errors; sensor.* in W sr^-1 m^-2 weighted with the sensitivity; S0.* in W sr^-1 m^-2 nm^-1",
-            camera: CameraRecord {
-                iso: exposure.iso.0,
-                shutter_s: exposure.shutter.0,
-                f_stop: exposure.f_stop.0,
-                exposure_constant_q: exposure.q,
-                saturation_luminance_cd_m2: exposure.saturation_luminance().0,
-                white_luminance_cd_m2: exposure.white_luminance().0,
-                anchor: format!("{:?}", exposure.anchor).to_lowercase(),
-                ev100: exposure.ev100(),
-                focal_length_mm: view.focal_length_mm,
-                sensor: view.sensor.name.clone(),
-                white_xyz: view.white,
-            },
+            units: "X, Y, Z in cd/m2 (Y is luminance); stderr.* their standard errors; sensor.* as camera.channels says, before exposure and vignetting; S0.* in W sr^-1 m^-2 nm^-1; vignetting relative to the middle",
+            camera: view.record(),
             plan: plan.reasons.clone(),
             missing: plan.unreachable.iter().map(|c| format!("{}: {}", c.word, c.meaning)).collect(),
             notes: scene.notes.clone(),

@@ -4,13 +4,17 @@
 //! or failed write leaves what was there before.
 
 mod developed;
+mod exif;
 mod exr_file;
+mod exr_read;
 mod facts;
 mod sheet;
 
-pub use developed::write_developed;
-pub use exr_file::{Layers, write_exr};
-pub use facts::{CameraRecord, Facts};
+pub use developed::{DEVELOPED_ENDINGS, write_developed, write_raw};
+pub use exif::Label;
+pub use exr_file::{FACTS_ATTRIBUTE, Layers, RESPONSES_ATTRIBUTE, write_exr};
+pub use exr_read::{Rendered, read_exr, read_levels};
+pub use facts::Facts;
 pub use sheet::{Tile, write_sheet};
 
 use crate::error::{Error, Result};

@@ -4,14 +4,17 @@
 //! lets every fault be reported at its line and column. Building turns this into a
 //! [`super::Scene`], which cannot be wrong.
 
-use crate::units::{Candelas, CandelasPerSquareMeter, FStop, Iso, Lumens, Seconds, Watts};
+use crate::units::{Candelas, CandelasPerSquareMeter, Lumens, Watts};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
+pub use super::file_camera::{
+    Anchor, CameraFile, DevelopmentFile, ElectronicsFile, NoiseFile, VignettingFile,
+};
 pub use super::file_spectrum::{
-    IndexDescription, IndexFile, LineFile, MetalFile, SensorDescription, SensorFile, SpectrumDescription,
-    SpectrumFile,
+    DetectorFile, IndexDescription, IndexFile, LineFile, MetalFile, SensorDescription, SensorFile,
+    SpectrumDescription, SpectrumFile,
 };
 
 /// A point or direction: x, y, z.
@@ -370,74 +373,6 @@ pub enum DistributionFile {
         /// Intensity at each angle, on any scale.
         relative_intensity: Vec<f64>,
     },
-}
-
-/// The camera: where it is, its optics, its exposure.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CameraFile {
-    /// Position of the pinhole or the lens' centre.
-    pub position: Vector,
-    /// A point in the middle of the picture; give this or `direction`.
-    #[serde(default)]
-    pub look_at: Option<Vector>,
-    /// Optical axis, of any length; give this or `look_at`.
-    #[serde(default)]
-    pub direction: Option<Vector>,
-    /// A direction that is up in the picture.
-    pub up: Vector,
-    /// Focal length in mm.
-    pub focal_length_mm: f64,
-    /// Width and height of the sensor in mm.
-    pub sensor_mm: [f64; 2],
-    /// Width and height of the picture in pixels.
-    pub resolution: [u32; 2],
-    /// Where the optical axis meets the picture, in pixels from its middle (right, down).
-    #[serde(default)]
-    pub principal_point_px: [f64; 2],
-    /// Distance of the sharp plane along the axis, in the scene's length unit. With it the
-    /// lens has its real aperture; without it the camera is a pinhole with everything sharp.
-    #[serde(default)]
-    pub focus_distance: Option<f64>,
-    /// f-number.
-    pub f_stop: FStop,
-    /// Exposure time in seconds.
-    pub shutter_s: Seconds,
-    /// Exposure index.
-    pub iso: Iso,
-    /// Which ISO 12232 speed point the developed picture is anchored to.
-    #[serde(default)]
-    pub anchor: Anchor,
-    /// Lens constant q of H = q L t / N^2; 0.65 (ISO 12232) if left out.
-    #[serde(default = "standard_q")]
-    pub exposure_constant_q: f64,
-    /// `cie-1931`, or a tabulated camera sensitivity: a built-in one by name, or a CSV file.
-    #[serde(default = "standard_observer")]
-    pub sensor: SensorFile,
-    /// Illuminant that is developed as white: a spectrum; left out, nothing is adapted.
-    #[serde(default)]
-    pub white_balance: Option<SpectrumFile>,
-}
-
-const fn standard_q() -> f64 {
-    crate::camera::STANDARD_Q
-}
-
-fn standard_observer() -> SensorFile {
-    SensorFile::Name(crate::camera::CIE_SENSOR.to_owned())
-}
-
-/// The speed point of ISO 12232 that fixes the level of a developed picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Anchor {
-    /// Saturation-based speed: 1.0 is the saturation exposure 78 lx s / ISO.
-    #[default]
-    Saturation,
-    /// Standard output sensitivity: 10 lx s / ISO is developed to 0.18.
-    Sos,
-    /// Exposure meter: the luminance K N^2 / (t ISO), K = 12.5, is developed to 0.18.
-    Meter,
 }
 
 /// An instrument in the scene.

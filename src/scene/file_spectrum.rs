@@ -7,6 +7,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// A spectrum: a number (the same at every wavelength), a name, or a description.
@@ -155,7 +156,7 @@ pub struct MetalDescription {
     pub k: SpectrumFile,
 }
 
-/// A camera's sensitivities: a built-in name, or a table.
+/// A camera's sensitivities: a built-in name, a table, or filters before a detector.
 #[derive(Clone, Debug, JsonSchema)]
 #[schemars(untagged)]
 pub enum SensorFile {
@@ -174,6 +175,25 @@ pub enum SensorDescription {
         /// Path, relative to the scene file.
         file: String,
     },
+    /// A detector that looks through one filter after the other.
+    FilterSet {
+        /// Transmission of each filter, 0 to 1; `"B550": ...` makes the channel `sensor.B550`.
+        filters: BTreeMap<String, SpectrumFile>,
+        /// The detector behind them.
+        detector: DetectorFile,
+    },
+}
+
+/// How a detector behind filters answers to light, as far as wavelengths differ; levels are
+/// the business of `electronics`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DetectorFile {
+    /// Electrons per photon: 1 counts all photons alike. A channel then holds the integral of
+    /// spectral radiance times transmissions times this, times wavelength over 555 nm.
+    QuantumEfficiency(SpectrumFile),
+    /// Response per watt: 1 counts all watts alike.
+    RelativeResponsivity(SpectrumFile),
 }
 
 /// Reads a value that may be a number, a string or a map, keeping the position of faults.
@@ -248,7 +268,7 @@ read_forms! {
     IndexFile: "a number, the name of a glass, or a description such as {\"abbe\": {\"nd\": 1.5168, \"vd\": 64.2}}",
         IndexDescription, number Value;
     MetalFile: "the name of a metal, or {\"n\": ..., \"k\": ...}", MetalDescription;
-    SensorFile: "the name of a sensor, or {\"csv\": {\"file\": ...}}", SensorDescription;
+    SensorFile: "the name of a sensor, {\"csv\": {\"file\": ...}}, or {\"filter_set\": ...}", SensorDescription;
 }
 
 impl<'de> Deserialize<'de> for BandFile {

@@ -1,7 +1,9 @@
 //! Scenes: what the file says ([`mod@file`]), what it means ([`Scene`]), what it needs ([`Plan`]).
 
 mod build;
+mod chain;
 pub mod file;
+mod file_camera;
 mod file_spectrum;
 mod locate;
 mod objects;
@@ -11,6 +13,7 @@ mod read;
 mod spectra;
 mod view;
 
+pub use chain::{Chain, check_white, equal_energy, white_named};
 pub use plan::Plan;
 pub use reach::{Unreachable, unreachable, unreachable_by_instrument};
 pub use view::CameraFacts;
@@ -76,8 +79,14 @@ pub struct View {
     pub sensor: Sensor,
     /// Focal length in mm.
     pub focal_length_mm: f64,
+    /// Distance of the image behind the lens in mm.
+    pub image_distance_mm: f64,
+    /// Metres in one scene unit.
+    pub metres_per_unit: f64,
     /// Tristimulus values that the development makes white.
     pub white: Option<Xyz>,
+    /// What happens to the film's values after the render.
+    pub chain: Chain,
 }
 
 /// An instrument.

@@ -74,6 +74,25 @@ impl<'a> Spectra<'a> {
         Self::new(self.folder, self.own).light(spectrum, Purpose::Emission).map(|_| ())
     }
 
+    /// A transmission: 0 to 1 everywhere.
+    pub fn transmission(&mut self, spectrum: &SpectrumFile) -> Result<Curve> {
+        let curve = self.curve(spectrum)?;
+        check_extremes(&curve, "a transmission", f64::MAX)?;
+        let (_, high) = curve.extremes();
+        if high <= 1.0 {
+            return Ok(curve);
+        }
+        Err(Error::new(format!("a transmission of {high} is above 1"))
+            .hint("a transmission lies between 0 and 1; use \"factor\": 0.01 for a table in per cent"))
+    }
+
+    /// A detector's response: not negative, zero outside a table.
+    pub fn response(&mut self, spectrum: &SpectrumFile) -> Result<Curve> {
+        let curve = without_lines(self.light(spectrum, Purpose::Emission)?)?;
+        check_extremes(&curve, "a response", LARGEST)?;
+        Ok(curve)
+    }
+
     /// A reflectance: 0 to 1 everywhere.
     pub fn reflectance(&mut self, spectrum: &SpectrumFile) -> Result<Dense> {
         let curve = self.curve(spectrum)?;
@@ -327,6 +346,16 @@ impl<'a> Spectra<'a> {
             return Err(Error::unknown_name("spectrum", name, known()));
         }
         library::light(&library::table(name)?, None, purpose)
+    }
+
+    /// Notes the bytes of a file that the scene names, for its hash.
+    pub fn note_file(&mut self, path: PathBuf, bytes: &[u8]) {
+        self.files_read.push((path, bytes.iter().map(|byte| char::from(*byte)).collect()));
+    }
+
+    /// Where a file lies that the scene names.
+    pub fn path_of(&self, file: &str) -> PathBuf {
+        self.folder.join(file)
     }
 
     /// Reads a table; its own faults stand in its file, that it cannot be read in the scene.

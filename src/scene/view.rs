@@ -1,13 +1,15 @@
-//! The camera of a scene: placement, lens, exposure and sensor from what the file says.
+//! The camera of a scene: placement, lens and exposure from what the file says, and the record
+//! that a picture carries of it.
 
-use super::View;
-use super::file::{CameraFile, SensorDescription, SensorFile, SpectrumFile};
+use super::file::CameraFile;
 use super::objects::{Built, unit_vector};
 use super::spectra::Spectra;
-use crate::camera::{CIE_SENSOR, Camera, CameraPlacement, Exposure, LensAperture, Sensor};
+use super::{View, chain};
+use crate::camera::{
+    Camera, CameraPlacement, CameraRecord, ChannelRecord, Exposure, LensAperture, Optics, STANDARD_Q,
+    STANDARD_Q_ON_AXIS, clear_lens_q,
+};
 use crate::error::{Error, Result};
-use crate::spectrum::colour::Xyz;
-use crate::spectrum::library;
 use glam::DVec3;
 
 /// A camera in numbers that photographers know it by.
@@ -32,6 +34,70 @@ impl View {
             saturation_luminance_cd_m2: self.exposure.saturation_luminance().0,
             white_luminance_cd_m2: self.exposure.white_luminance().0,
         }
+    }
+
+    /// Everything that a picture must carry to be developed again.
+    pub fn record(&self) -> CameraRecord {
+        let Exposure { iso, shutter, f_stop, q, anchor } = self.exposure;
+        let channels = self.sensor.recorded();
+        let channels =
+            channels.map(|c| ChannelRecord { name: c.name.clone(), unit: c.unit.to_owned() }).collect();
+        let chain = self.chain.clone();
+        CameraRecord {
+            iso: iso.0,
+            shutter_s: shutter.0,
+            f_stop: f_stop.0,
+            exposure_constant_q: q,
+            sensor_exposure_constant_q: chain.sensor_q,
+            saturation_luminance_cd_m2: 0.0,
+            white_luminance_cd_m2: 0.0,
+            anchor,
+            ev100: 0.0,
+            focal_length_mm: self.focal_length_mm,
+            has_aperture: self.camera.has_aperture(),
+            has_lens_transmission: self.sensor.lens_transmission.is_some(),
+            sensor: self.sensor.name.clone(),
+            channels,
+            electrons_per_weighted_joule: self.sensor.electrons_per_weighted_joule,
+            white_xyz: self.white,
+            white: chain.white,
+            optics: self.optics(),
+            vignetting: chain.vignetting,
+            electronics: chain.electronics,
+            noise: chain.noise,
+            matrix: chain.matrix,
+            has_fitted_matrix: chain.has_fitted_matrix,
+            tone: chain.tone,
+            saturated_pixels: None,
+            stages: Vec::new(),
+            warnings: Vec::new(),
+        }
+        .settled()
+    }
+
+    fn optics(&self) -> Optics {
+        let placement = self.camera.placement();
+        let resolution = self.camera.resolution();
+        let tan_half_extent = self.camera.half_extent();
+        Optics {
+            position_m: (placement.position * self.metres_per_unit).to_array(),
+            look: placement.forward.to_array(),
+            up: placement.up.to_array(),
+            right: placement.right.to_array(),
+            resolution,
+            tan_half_extent,
+            principal_point_px: self.camera.principal_point_px(),
+            image_distance_mm: self.image_distance_mm,
+            focus_distance_m: self.camera.focus_distance().map(|distance| distance * self.metres_per_unit),
+            pixel_pitch_um: std::array::from_fn(|axis| {
+                2000.0 * tan_half_extent[axis] * self.image_distance_mm / f64::from(resolution[axis])
+            }),
+        }
+    }
+
+    /// Relative illuminance of a measured flat field at the picture's pixels; empty without one.
+    pub fn flat_field(&self) -> Vec<f32> {
+        self.chain.flat_field.as_ref().map_or_else(Vec::new, |field| field.over_picture(&self.optics()))
     }
 }
 
@@ -58,6 +124,7 @@ pub(super) fn build(file: &CameraFile, built: &Built, spectra: &mut Spectra<'_>)
         }
         None => focal_length_mm,
     };
+    let sensor_q = sensor_q(file, focal_length_mm, image_distance_mm)?;
     let half_extent = file.sensor_mm.map(|side| 0.5 * side / image_distance_mm);
     if let Some(side) = half_extent.iter().position(|half| *half == 0.0 || !half.is_finite()) {
         return Err(Error::new(format!(
@@ -75,38 +142,16 @@ pub(super) fn build(file: &CameraFile, built: &Built, spectra: &mut Spectra<'_>)
     }
     let camera =
         Camera::new(placement(file, built)?, file.resolution, half_extent, file.principal_point_px, aperture);
-    let sensor = sensor(&file.sensor, spectra).map_err(|e| e.under("sensor"))?;
-    let white = match &file.white_balance {
-        Some(spectrum) => Some(white_of(spectrum, spectra).map_err(|e| e.under("white_balance"))?),
-        None => None,
-    };
-    Ok(View { camera, exposure, sensor, focal_length_mm, white })
+    let sensor = chain::sensor(file, spectra)?;
+    let light = chain::white(file, &sensor, spectra)?;
+    let white = light.xyz;
+    let exposure = Exposure { q: sensor_q * light.seen.luminous_transmission, ..exposure };
+    let chain = chain::build(file, &sensor, light, sensor_q, half_extent, spectra)?;
+    let metres_per_unit = built.geometry.metres_per_unit();
+    Ok(View { camera, exposure, sensor, focal_length_mm, image_distance_mm, metres_per_unit, white, chain })
 }
 
-/// A sensor by name, where tables of other kinds are none, or from a table of the scene's own.
-fn sensor(file: &SensorFile, spectra: &mut Spectra<'_>) -> Result<Sensor> {
-    let name = match file {
-        SensorFile::Described(SensorDescription::Csv { file }) => {
-            let (path, table) = spectra.read_csv(file).map_err(|e| e.under("file").under("csv"))?;
-            return Sensor::of_table(file, &table).map_err(|e| e.in_file(&path));
-        }
-        SensorFile::Name(name) => name.as_str(),
-    };
-    let cameras = library::entries().filter(|entry| entry.kind == "sensitivity").map(|entry| entry.name);
-    let known: Vec<&str> = cameras.chain([CIE_SENSOR]).collect();
-    if known.contains(&name) { Sensor::named(name) } else { Err(Error::unknown_name("sensor", name, known)) }
-}
-
-/// Tristimulus values of the light that is developed white.
-fn white_of(spectrum: &SpectrumFile, spectra: &mut Spectra<'_>) -> Result<Xyz> {
-    let white = spectra.emission(spectrum)?.xyz();
-    if white.iter().all(|value| *value > 0.0 && value.is_finite()) {
-        return Ok(white);
-    }
-    Err(Error::new("a white without visible light").hint("name an illuminant, such as \"d65\""))
-}
-
-fn positive(value: f64, key: impl std::fmt::Display, example: &str) -> Result<f64> {
+pub(super) fn positive(value: f64, key: impl std::fmt::Display, example: &str) -> Result<f64> {
     if value > 0.0 && value.is_finite() {
         return Ok(value);
     }
@@ -119,14 +164,27 @@ fn exposure(file: &CameraFile) -> Result<Exposure> {
     positive(file.iso.0, "iso", "100")?;
     positive(file.shutter_s.0, "shutter_s", "0.0111 for 1/90 s")?;
     positive(file.f_stop.0, "f_stop", "8")?;
-    positive(file.exposure_constant_q, "exposure_constant_q", "0.65")?;
     Ok(Exposure {
         iso: file.iso,
         shutter: file.shutter_s,
         f_stop: file.f_stop,
-        q: file.exposure_constant_q,
+        q: STANDARD_Q,
         anchor: file.anchor,
     })
+}
+
+/// Lens constant on the axis of what the sensor's channels hold, in which a stated transmission
+/// is already.
+fn sensor_q(file: &CameraFile, focal_length_mm: f64, image_distance_mm: f64) -> Result<f64> {
+    match (file.exposure_constant_q, &file.lens_transmission) {
+        (Some(q), None) => positive(q, "exposure_constant_q", "0.65"),
+        (Some(_), Some(_)) => Err(Error::new("both exposure_constant_q and lens_transmission are given")
+            .hint("keep one: with a lens transmission the constant is (pi/4) (f/i)^2")
+            .under("exposure_constant_q")),
+        (None, Some(_)) => Ok(clear_lens_q(focal_length_mm, image_distance_mm)),
+        (None, None) if chain::falls_off(file) => Ok(STANDARD_Q_ON_AXIS),
+        (None, None) => Ok(STANDARD_Q),
+    }
 }
 
 fn aperture(file: &CameraFile, built: &Built, focal_length_mm: f64) -> Result<Option<LensAperture>> {

@@ -62,6 +62,11 @@ impl CsvTable {
         Some(self.rows.iter().map(|row| row[index]).collect())
     }
 
+    /// The line of the file that a row stands in, from 1.
+    pub fn line_of(&self, row: usize) -> usize {
+        self.lines[row]
+    }
+
     /// The first column, checked to rise strictly: the wavelengths in nm. An error carries
     /// line and column.
     pub fn wavelengths_nm(&self) -> Result<Vec<f64>> {

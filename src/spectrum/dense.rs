@@ -61,6 +61,19 @@ impl Dense {
         *self == Self::Flat(0.0)
     }
 
+    /// The curve times another, grid point by grid point.
+    #[must_use]
+    pub fn times(&self, other: &Self) -> Self {
+        let values: Vec<f32> =
+            (0..GRID_POINTS).map(|i| self.at_grid_point(i) * other.at_grid_point(i)).collect();
+        Self::from_values(&values)
+    }
+
+    /// The value at each grid point.
+    pub fn values(&self) -> Vec<f32> {
+        (0..GRID_POINTS).map(|i| self.at_grid_point(i)).collect()
+    }
+
     /// The curve times a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {

@@ -1,0 +1,156 @@
+//! A render read back, with all that is needed to develop it.
+
+use super::exr_file::{FACTS_ATTRIBUTE, RESPONSES_ATTRIBUTE};
+use crate::camera::{CameraRecord, FLAT_FIELD_CHANNEL, Planes, Responses, Sensor};
+use crate::error::{Error, Result};
+use exr::prelude::*;
+use serde::Deserialize;
+use std::path::Path;
+
+/// What developing needs of a render.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// Name of the scene.
+    pub scene: String,
+    /// The camera.
+    pub camera: CameraRecord,
+    /// Responses of the channels that the camera records.
+    pub responses: Responses,
+    /// The channels that a picture is developed from.
+    pub planes: Planes,
+}
+
+/// The part of the facts that is read again.
+#[derive(Deserialize)]
+struct KnownFacts {
+    scene: String,
+    camera: CameraRecord,
+}
+
+const REMEDY: &str = "give an EXR written by `etalon render`";
+
+/// Reads a render; an error names the file and what it lacks.
+pub fn read_exr(path: &Path) -> Result<Rendered> {
+    std::fs::File::open(path).map_err(|e| Error::io(path, "read the render", &e))?;
+    read_checked(path).map_err(|e| e.in_file(path))
+}
+
+fn read_checked(path: &Path) -> Result<Rendered> {
+    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
+    let image = reader.all_attributes().from_file(path).map_err(|e| {
+        let what = e.to_string().to_lowercase();
+        Error::new(format!("cannot be decoded ({what})")).hint(REMEDY)
+    })?;
+    let layer = &image.layer_data;
+    let text = |name: &str| match layer.attributes.other.get(&Text::from(name)) {
+        Some(AttributeValue::Text(text)) => Some(text.to_string()),
+        _ => None,
+    };
+    let Some(facts) = text(FACTS_ATTRIBUTE) else {
+        return Err(Error::new("it has no attribute \"etalon\"").hint(REMEDY));
+    };
+    let KnownFacts { scene, camera } = of_json(&facts, FACTS_ATTRIBUTE)?;
+    let responses = match text(RESPONSES_ATTRIBUTE) {
+        Some(responses) => of_json(&responses, RESPONSES_ATTRIBUTE)?,
+        None => Responses::of(&Sensor::cie()),
+    };
+    let mut planes = Planes::new();
+    let wanted = |name: &str| {
+        ["X", "Y", "Z", FLAT_FIELD_CHANNEL].contains(&name)
+            || camera.channels.iter().any(|channel| channel.name == name)
+    };
+    for channel in &layer.channel_data.list {
+        if let (name, FlatSamples::F32(samples)) = (channel.name.to_string(), &channel.sample_data)
+            && wanted(&name)
+        {
+            if samples.iter().any(|sample| !sample.is_finite()) {
+                return Err(Error::new(format!("the channel {name} holds values that are not finite"))
+                    .hint("render the scene again"));
+            }
+            planes.insert(name, samples.clone());
+        }
+    }
+    let size = [layer.size.width(), layer.size.height()].map(|side| side as u64);
+    check(&camera, &responses, size)?;
+    Ok(Rendered { scene, camera: camera.settled(), responses, planes })
+}
+
+fn of_json<'de, T: Deserialize<'de>>(json: &'de str, attribute: &str) -> Result<T> {
+    serde_json::from_str(json).map_err(|e| {
+        let what = e.to_string();
+        let what = what.split(" at line").next().unwrap_or_default();
+        Error::new(format!("its attribute \"{attribute}\" cannot be read ({what})"))
+            .hint("render the scene again with this version")
+    })
+}
+
+/// Whether a record can be developed from: only files that were changed by hand cannot.
+fn check(camera: &CameraRecord, responses: &Responses, size: [u64; 2]) -> Result<()> {
+    let wrong = |what: String| Err(Error::new(what).hint("render the scene again"));
+    if camera.optics.resolution.map(u64::from) != size {
+        let [width, height] = camera.optics.resolution;
+        return wrong(format!(
+            "it has {} x {} pixels, but its facts say {width} x {height}",
+            size[0], size[1]
+        ));
+    }
+    let positive = [
+        (camera.iso, "iso"),
+        (camera.shutter_s, "shutter_s"),
+        (camera.f_stop, "f_stop"),
+        (camera.sensor_exposure_constant_q, "sensor_exposure_constant_q"),
+        (camera.electrons_per_weighted_joule, "electrons_per_weighted_joule"),
+        (camera.white.luminous_transmission, "white.luminous_transmission"),
+        (camera.optics.tan_half_extent[0], "tan_half_extent"),
+        (camera.optics.tan_half_extent[1], "tan_half_extent"),
+        (camera.optics.image_distance_mm, "image_distance_mm"),
+    ];
+    if let Some((value, key)) = positive.into_iter().find(|(value, _)| !(*value > 0.0 && value.is_finite())) {
+        return wrong(format!("its camera's {key} of {value} is not a positive number"));
+    }
+    if camera.electronics.as_ref().is_some_and(|electronics| !electronics.is_sound()) {
+        return wrong("its camera's electronics are those of no sensor".to_owned());
+    }
+    if !camera.vignetting.is_sound() {
+        return wrong("its camera's vignetting is no profile".to_owned());
+    }
+    camera.tone.check()?;
+    let channels = camera.channels.len();
+    let points = crate::spectrum::GRID_POINTS;
+    let fits = |response: &Vec<f32>| response.len() == points;
+    if channels == 0
+        || camera.white.channels.len() != channels
+        || responses.channels.len() != channels
+        || !responses.channels.iter().chain(&responses.lens_transmission).all(fits)
+    {
+        return wrong("its channels and their responses do not fit together".to_owned());
+    }
+    match &camera.matrix {
+        Some(matrix) => matrix.check(channels),
+        None => Ok(()),
+    }
+}
+
+/// Levels of a picture of an even field: an EXR's channel Y or G, or the grey of a PNG or TIFF
+/// taken as linear; size and values in rows from the top left.
+pub fn read_levels(path: &Path, bytes: &[u8]) -> Result<([u32; 2], Vec<f32>)> {
+    let undecodable = |e: &dyn std::fmt::Display| {
+        let what = e.to_string().to_lowercase();
+        Error::new(format!("cannot be decoded ({what})")).hint("give an EXR, PNG or TIFF, linear in light")
+    };
+    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
+        let picture = image::load_from_memory(bytes).map_err(|e| undecodable(&e))?.into_luma16();
+        let values = picture.as_raw().iter().map(|level| f32::from(*level)).collect();
+        return Ok(([picture.width(), picture.height()], values));
+    }
+    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
+    let picture =
+        reader.all_attributes().from_buffered(std::io::Cursor::new(bytes)).map_err(|e| undecodable(&e))?;
+    let channels = &picture.layer_data.channel_data.list;
+    let named = |name: &str| channels.iter().find(|channel| channel.name == *name);
+    let Some(channel) = named("Y").or_else(|| named("G")) else {
+        return Err(Error::new("the flat field has neither a channel Y nor G").hint("rename its channel"));
+    };
+    let size = [picture.layer_data.size.width(), picture.layer_data.size.height()].map(|side| side as u32);
+    Ok((size, channel.sample_data.values_as_f32().collect()))
+}
