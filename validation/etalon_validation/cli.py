@@ -130,7 +130,16 @@ def run_pose(chosen):
     """pose.json beside the points, and the fit in words."""
     from .pose import describe_fit, fit_case
 
+    from .errors import read_json
+    from .layout import Layout
+    from .pose import corner_spread, read_frame
+
     result = fit_case(chosen.case)
+    layout_file = chosen.case / "layout.json"
+    if read_json(layout_file, "correct it").get("patches"):
+        (chosen.case / "pose.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+        layout = Layout(layout_file)
+        result["region_corners"] = corner_spread(result, layout, read_frame(layout_file, layout.length_unit))
     (chosen.case / "pose.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
     print(describe_fit(result))
 

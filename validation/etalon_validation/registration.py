@@ -11,8 +11,7 @@ import numpy as np
 from .camera import Pinhole
 from .errors import InputError, meaning, read_json
 from .layout import REGISTRATION_PX, Layout
-
-METERS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
+from .scene_faces import METERS
 
 
 def scene_camera(scene, length, size):
