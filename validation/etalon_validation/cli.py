@@ -48,6 +48,14 @@ def parser():
     register.add_argument("-o", "--output", type=Path, help="JSON file to write")
     register.set_defaults(run=run_register)
 
+    selftest = commands.add_parser("self-test", help="take a synthetic photograph with a known answer apart")
+    selftest.add_argument("--program", type=Path, default=Path("target/release/etalon"), help="the program etalon")
+    selftest.add_argument("--case", type=Path, default=Path("reference/cornell-photo"), help="case folder to make the photograph from")
+    selftest.add_argument("--spp", type=positive, default=128, help="samples per pixel of both renders")
+    selftest.add_argument("--seeds", type=positive, default=8, help="seeds of picking and sensor noise")
+    selftest.add_argument("-o", "--output", type=Path, required=True, help="folder for self-test.json and the renders")
+    selftest.set_defaults(run=run_self_test)
+
     peers = commands.add_parser("peers", help="compare an all-diffuse render with Mitsuba 3 in absolute XYZ")
     peers.add_argument("--case", type=Path, default=Path("reference/cornell"), help="case folder with scene.json")
     peers.add_argument("--spectra", type=Path, default=Path("spectra"), help="folder of spectral tables")
@@ -71,6 +79,14 @@ def parser():
     plot.add_argument("file", type=Path, help="SVG or PNG to write")
     plot.set_defaults(run=run_plot)
     return top
+
+
+def positive(text):
+    """A whole number above zero, as argparse wants it."""
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not above zero")
+    return number
 
 
 def main(arguments=None):
@@ -197,6 +213,17 @@ def run_register(chosen):
         chosen.output.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
     print(describe_registration(found))
     return 0 if found["verdict"] == "accepted" else 1
+
+
+def run_self_test(chosen):
+    """self-test.json and a table; exit code 1 where a quantity is off or a planted fault is not noticed."""
+    from .selftest import describe, examine, prepare
+
+    report = examine(prepare(chosen.program, chosen.output, chosen.spp, chosen.case), chosen.seeds)
+    report |= {"case": chosen.case.name, "samples_per_pixel": chosen.spp}
+    (chosen.output / "self-test.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    print(describe(report))
+    return 0 if report["pass"] else 1
 
 
 def run_peers(chosen):
