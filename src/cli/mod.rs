@@ -6,6 +6,7 @@ mod measure;
 mod progress;
 mod render;
 mod schema;
+mod self_test;
 mod spectra;
 mod strategies;
 mod validate;

@@ -3,6 +3,7 @@
 use super::arguments::Effort;
 use super::print;
 use super::render::render_to_files;
+use super::self_test;
 use clap::Args;
 use etalon::error::Error;
 use etalon::image::Layers;
@@ -27,7 +28,8 @@ const PEERS_RESOLUTION: [u32; 2] = [128, 128];
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Case: cornell, yale-grey, yale-brown, stanford, or peers (against Mitsuba 3)
+    /// Case: cornell, yale-grey, yale-brown, stanford, peers (against Mitsuba 3), or self-test (a
+    /// synthetic photograph with a known answer)
     case: String,
     /// The photograph; without it the region table measured on it is used
     #[arg(long, value_name = "FILE")]
@@ -40,7 +42,10 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
-    let names = || CASES.iter().map(|(name, ..)| *name);
+    if arguments.case == self_test::NAME {
+        return self_test::run(arguments.photo.as_deref(), arguments.output.as_deref(), &arguments.effort);
+    }
+    let names = || CASES.iter().map(|(name, ..)| *name).chain([self_test::NAME]);
     let (name, folder, spp) = CASES
         .into_iter()
         .find(|(name, ..)| *name == arguments.case)

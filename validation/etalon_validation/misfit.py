@@ -15,16 +15,18 @@ pixels, are the independent observations.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import stats
 
-from .align import EDGE_PX, PER_EDGE, deviation_of_edges, edge_weights
+from .align import LEAST_EDGE_PX, PER_EDGE, edge_weights
 from .edges import measure_offsets
 from .layout import REGISTRATION_PX
 
 # Search for edges either way, pixels; displacements beyond it are noticed as edges that are not found.
 SEARCH_PX = 12.0
 # Chance that a registration displaced by just what is allowed is called failed.
-LEVEL = 1e-3
+LEVEL = 1e-2
+# Rounds in which edges that do not agree are left out.
+ROUNDS = 8
 # Tiles across and down the picture.
 TILES = (4, 3)
 # An edge agrees with the field within this many pixels, a quarter of the search: by chance one in four does.
@@ -38,13 +40,14 @@ MIRROR_MARGIN = 0.1
 
 @dataclass(frozen=True)
 class Field:
-    """A displacement field (shift, scale, turn about a middle), its covariance, and the deviation of edges from it in pixels."""
+    """A displacement field (shift, scale, turn about a middle), its covariance, the deviation of edges from it in pixels, and the degrees of freedom behind that."""
 
     values: np.ndarray
     covariance: np.ndarray
     middle: np.ndarray
     reach: float
     edge_px: float
+    freedom: float
 
     def basis(self, pixels):
         """Displacements (n, 2, 4) at pixels (n, 2) per unit of each parameter; all parameters are in pixels."""
@@ -59,19 +62,23 @@ class Field:
 
 
 def fit_field(measured):
-    """The displacement field that the offsets show, robustly."""
+    """The displacement field that the offsets show: least squares over the edges that agree with it, and the slopes (n, 4) behind it."""
     middle = measured.pixels.mean(axis=0)
-    field = Field(np.zeros(4), np.eye(4), middle, float(np.sqrt(((measured.pixels - middle) ** 2).sum(axis=1).mean())), EDGE_PX)
+    field = Field(np.zeros(4), np.eye(4), middle, float(np.sqrt(((measured.pixels - middle) ** 2).sum(axis=1).mean())), 0.0, 1.0)
     slopes = np.einsum("ni,nip->np", measured.normals, field.basis(measured.pixels))
-    weights, edge_px, values = edge_weights(measured.edges), EDGE_PX, np.zeros(4)
-    start = consensus(slopes, measured.offsets, weights)
-    for _ in range(4):
-        solution = optimize.least_squares(lambda p: weights * (slopes @ p - measured.offsets) / edge_px, start, loss="cauchy")
-        values = start = solution.x
+    weights = edge_weights(measured.edges)
+    values = consensus(slopes, measured.offsets, weights)
+    for _ in range(ROUNDS):
         near = np.abs(slopes @ values - measured.offsets) < AGREEMENT_PX
-        edge_px = deviation_of_edges((slopes @ values - measured.offsets)[near], weights[near]) if near.any() else EDGE_PX
-    covariance = np.linalg.pinv((slopes * (weights * near)[:, None]).T @ (slopes * weights[:, None])) * edge_px**2
-    return Field(values, covariance, middle, field.reach, edge_px), slopes
+        if np.linalg.matrix_rank(slopes[near]) < 4:
+            break
+        known, wanted = slopes[near] * weights[near, None], measured.offsets[near] * weights[near]
+        values = np.linalg.lstsq(known, wanted, rcond=None)[0]
+    known, left = slopes[near] * weights[near, None], weights[near] * (slopes @ values - measured.offsets)[near]
+    freedom = max(float((weights[near] ** 2).sum()) - 4, 1.0)
+    variance = max(float(left @ left) / freedom, LEAST_EDGE_PX**2)
+    covariance = np.linalg.pinv(known.T @ known) * variance
+    return Field(values, covariance, middle, field.reach, float(np.sqrt(variance)), freedom), slopes
 
 
 def consensus(slopes, offsets, weights):
@@ -101,7 +108,7 @@ def judge(measured, in_view, size):
     for thing in things:
         if thing["found"] < LEAST_FOUND and thing["in_view"] >= LEAST_IN_VIEW and found >= LEAST_FOUND:
             reasons.append(f"the thing around {thing['at_px']} is not there: {100 * thing['found']:.0f} % of its edges are found")
-    critical = float(stats.norm.isf(LEVEL / max(len(tiles), 1)))
+    critical = float(stats.t.isf(LEVEL / max(len(tiles), 1), field.freedom))
     if worst and worst["z"] > critical:
         reasons.append(f"the picture is displaced by {worst['size_px']:.1f} +- {worst['standard_error_px']:.1f} px at {worst['at_px']}, {REGISTRATION_PX:g} px are allowed")
     return head | {

@@ -62,5 +62,5 @@ def saturated_pixels(raw):
 def exposure_facts(raw):
     """What the file says about its exposure; facts that it does not state are left out."""
     said = raw.other
-    facts = {"iso": said.iso_speed, "shutter_s": said.shutter, "f_stop": said.aperture, "focal_length_mm": said.focal_len}
+    facts = {"iso": said.iso_speed, "shutter_s": said.shutter_speed, "f_stop": said.aperture, "focal_length_mm": said.focal_length}
     return {name: round(float(value), 6) for name, value in facts.items() if value and np.isfinite(value) and value > 0}
