@@ -26,6 +26,8 @@ def parser():
     score.add_argument("--case", type=Path, required=True, help="case folder with regions.json")
     score.add_argument("--render", type=Path, required=True, help="EXR written by etalon")
     score.add_argument("--photo", type=Path, help="the photograph; without it the region table stands in")
+    score.add_argument("--flat-field", type=Path, help="picture of an even field by the photograph's lens; goes before the render's vignetting")
+    score.add_argument("--force-registration", action="store_true", help="score a photograph whose registration failed, and mark every figure")
     score.add_argument("-o", "--output", type=Path, required=True, help="folder for report.json and report.html")
     score.set_defaults(run=run_score)
 
@@ -38,6 +40,22 @@ def parser():
     pose = commands.add_parser("fit-pose", help="fit the photograph's camera to points.csv and write pose.json")
     pose.add_argument("--case", type=Path, required=True, help="case folder with points.csv and layout.json")
     pose.set_defaults(run=run_pose)
+
+    register = commands.add_parser("register", help="lay the edges of the render over the photograph: verdict and refined pose")
+    register.add_argument("--case", type=Path, required=True, help="case folder with scene.json, layout.json and pose.json")
+    register.add_argument("--render", type=Path, required=True, help="EXR written by etalon")
+    register.add_argument("--photo", type=Path, required=True)
+    register.add_argument("--flat-field", type=Path, help="picture of an even field by the photograph's lens")
+    register.add_argument("-o", "--output", type=Path, help="JSON file to write")
+    register.set_defaults(run=run_register)
+
+    selftest = commands.add_parser("self-test", help="take a synthetic photograph with a known answer apart")
+    selftest.add_argument("--program", type=Path, default=Path("target/release/etalon"), help="the program etalon")
+    selftest.add_argument("--case", type=Path, default=Path("reference/cornell-photo"), help="case folder to make the photograph from")
+    selftest.add_argument("--spp", type=positive, default=128, help="samples per pixel of both renders")
+    selftest.add_argument("--seeds", type=positive, default=8, help="seeds of picking and sensor noise")
+    selftest.add_argument("-o", "--output", type=Path, required=True, help="folder for self-test.json and the renders")
+    selftest.set_defaults(run=run_self_test)
 
     peers = commands.add_parser("peers", help="compare an all-diffuse render with Mitsuba 3 in absolute XYZ")
     peers.add_argument("--case", type=Path, default=Path("reference/cornell"), help="case folder with scene.json")
@@ -65,6 +83,14 @@ def parser():
     return top
 
 
+def positive(text):
+    """A whole number above zero, as argparse wants it."""
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not above zero")
+    return number
+
+
 def main(arguments=None):
     """Runs one subcommand and returns the exit code."""
     chosen = parser().parse_args(arguments)
@@ -87,7 +113,7 @@ def run_score(chosen):
     from .photograph import read_photograph
     from .regions import read_table
     from .reference import choose_reference
-    from .registration import registration, registration_warning
+    from .registration import mark_failed, refuse_unless_registered, register, regions_in_render, registration, registration_warning
     from .render import read_render
     from .report import write_report
     from .score import score
@@ -96,13 +122,22 @@ def run_score(chosen):
 
     table = read_table(chosen.case / "regions.json")
     render = read_render(chosen.render)
-    photograph = read_photograph(chosen.photo) if chosen.photo else None
+    photograph, found, failed = None, None, None
+    if chosen.photo:
+        photograph = without_lens(chosen, read_photograph(chosen.photo), render)
+        found = register(chosen.case, photograph, render)
+        failed = refuse_unless_registered(found, photograph, chosen.force_registration)
     regions, reference = choose_reference(table, photograph)
     reference["registration"] = registration(chosen.case)
-    reference["warnings"] += filter(None, [registration_warning(reference["registration"])])
+    if reference["registration"] is not None:
+        regions = regions_in_render(chosen.case, regions, render)
+        reference["registration"]["photograph"] = found
+    reference["warnings"] += filter(None, [registration_warning(reference["registration"]), failed])
     for warning in reference["warnings"]:
         print(f"warning: {warning}", file=sys.stderr)
     report, both, levels = score(table, regions, render, reference, read_calibration(chosen.case), photograph, inside_box(chosen.case, table.size))
+    if failed:
+        mark_failed(report)
     chosen.output.mkdir(parents=True, exist_ok=True)
     write_report(chosen.output, report, table, regions, render, photograph, both, levels)
     write_pair(chosen.output, levels[1].apply(resized(both.channels, table.size)), None if photograph is None else photograph.rgb)
@@ -118,6 +153,21 @@ def in_words(verdict):
     return f"{verdict['differ']} differ, {verdict['agree']} agree, {verdict['unsettled']} unsettled"
 
 
+def without_lens(chosen, photograph, render):
+    """The photograph with the lens taken out, where the case has a pose to say where its axis is."""
+    from .lens import corrected
+    from .layout import Layout
+
+    if not (chosen.case / "layout.json").is_file() or not (chosen.case / "pose.json").is_file():
+        if chosen.flat_field:
+            raise InputError(chosen.case, "has no layout.json and pose.json", "fit the pose before a flat field is applied")
+        return photograph
+    camera = Layout(chosen.case / "layout.json").camera
+    if photograph.size != camera.size:
+        return photograph
+    return corrected(photograph, camera, render.record, chosen.flat_field, chosen.render)
+
+
 def show(value, digits):
     """A number for the terminal; a dash where there is none."""
     return "-" if value is None else f"{value:.{digits}f}"
@@ -126,11 +176,14 @@ def show(value, digits):
 def run_measure(chosen):
     """regions.json beside the layout."""
     from .layout import Layout
+    from .lens import undistorted
     from .photograph import read_photograph
     from .regions import measure_layout, write_table
 
     layout = Layout(chosen.case / "layout.json")
     photograph = read_photograph(chosen.photo)
+    photograph = undistorted(photograph, layout.camera)
+    layout = layout.seen_by(layout.camera.undistorted)
     regions = measure_layout(layout, photograph)
     write_table(chosen.case / "regions.json", layout, photograph, regions)
     if chosen.overlay:
@@ -144,9 +197,47 @@ def run_pose(chosen):
     """pose.json beside the points, and the fit in words."""
     from .pose import describe_fit, fit_case
 
+    from .errors import read_json
+    from .layout import Layout
+    from .pose import corner_spread, read_frame
+
     result = fit_case(chosen.case)
+    layout_file = chosen.case / "layout.json"
+    if read_json(layout_file, "correct it").get("patches"):
+        (chosen.case / "pose.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+        layout = Layout(layout_file)
+        result["region_corners"] = corner_spread(result, layout, read_frame(layout_file, layout.length_unit))
     (chosen.case / "pose.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
     print(describe_fit(result))
+
+
+def run_register(chosen):
+    """The verdict and the refined pose; exit code 1 where the registration failed."""
+    from .photograph import read_photograph
+    from .registration import describe_registration, register
+    from .render import read_render
+
+    render = read_render(chosen.render)
+    photograph = without_lens(chosen, read_photograph(chosen.photo), render)
+    found = register(chosen.case, photograph, render)
+    if found is None:
+        raise InputError(chosen.case, "has no scene.json with a camera, layout.json and pose.json", "write them first")
+    if chosen.output:
+        chosen.output.parent.mkdir(parents=True, exist_ok=True)
+        chosen.output.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+    print(describe_registration(found))
+    return 0 if found["verdict"] == "accepted" else 1
+
+
+def run_self_test(chosen):
+    """self-test.json and a table; exit code 1 where a quantity is off or a planted fault is not noticed."""
+    from .selftest import describe, examine, prepare
+
+    report = examine(prepare(chosen.program, chosen.output, chosen.spp, chosen.case), chosen.seeds)
+    report |= {"case": chosen.case.name, "samples_per_pixel": chosen.spp}
+    (chosen.output / "self-test.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    print(describe(report))
+    return 0 if report["pass"] else 1
 
 
 def run_peers(chosen):

@@ -52,6 +52,8 @@ class Comparison:
 
 def scaled_polygon(region, table, render):
     """A region's polygon in the pixels of a render that may be larger or smaller than the photograph."""
+    if region.in_render is not None:
+        return region.in_render
     scale = np.array(render.size, float) / np.array(table.size, float)
     if abs(scale[0] / scale[1] - 1) > 0.005:
         raise InputError(render.file, f"has {render.size} pixels, the photograph {table.size}", "render at the photograph's aspect ratio")

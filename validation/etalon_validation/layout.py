@@ -1,12 +1,14 @@
 """Where the regions lie: patches on the faces of a box, seen through its camera.
 
-A layout (`layout.json` in a case folder) declares faces as quads, some of them
-mirrors, and patches as rectangles in a face's own coordinates: (0, 0) is the
-first vertex, (1, 0) the second, (1, 1) the third. A patch on a mirror names the
+A layout (`layout.json` in a case folder) names faces of the scene's objects, or
+gives quads of its own where no object has the face, some of them mirrors, and
+patches as rectangles in a face's own coordinates: (0, 0) is the first vertex,
+(1, 0) the second, (1, 1) the third. A patch on a mirror names the
 face that it `shows` ("" for the surroundings). Each projected patch is eroded,
 and every pixel of it must see that face along the ray.
 """
 
+import copy
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +17,7 @@ import numpy as np
 from .camera import Pinhole, unit
 from .errors import InputError, meaning, need, read_json
 from .polygons import erode, inside_image, mask
+from .scene_faces import METERS, SceneFaces
 
 # A patch must stay on its face when the photograph is registered this badly.
 REGISTRATION_PX = 1.5
@@ -82,18 +85,33 @@ class Layout:
     def take(self, table):
         """Fills the layout from its JSON object."""
         path = self.path
+        self.scale = 1.0
         self.photo = dict(need(table, "photo", path))
-        self.camera = read_camera(need(table, "camera", path), self.path)
+        self.camera, self.length_unit = read_camera(need(table, "camera", path), self.path)
+        scene = SceneFaces(path.parent / "scene.json", self.length_unit)
         self.faces = {
-            name: Face(name, np.asarray(need(face, "quad", path), float), bool(face.get("mirror", False)))
-            for name, face in need(table, "faces", path).items()
+            name: Face(name, self.corners(name, entry, scene), bool(entry.get("mirror", False)))
+            for name, entry in need(table, "faces", path).items()
         }
         self.keep_out = [np.array(polygon, float).reshape(-1, 2) for polygon in table.get("keep_out_px", [])]
         erosion = float(table.get("erode_px", 4))
-        for name, face in self.faces.items():
-            if face.quad.shape != (4, 3):
-                raise InputError(path, f'face "{name}" has no four vertices of three coordinates', "give a quad")
         self.patches = [patch for entry in need(table, "patches", path) for patch in self.cells(entry, erosion)]
+
+    def corners(self, name, entry, scene):
+        """A face's four corners: those of a scene object, in the order of `corners`, or its own quad."""
+        if "object" in entry:
+            return scene.quad(str(entry["object"]), entry.get("face"), entry.get("corners"), f'{self.path}: face "{name}"')
+        quad = np.asarray(need(entry, "quad", self.path), float)
+        if quad.shape != (4, 3):
+            raise InputError(self.path, f'face "{name}" has no four vertices of three coordinates', "name an object of the scene or give a quad")
+        return quad
+
+    def seen_by(self, camera):
+        """The same layout seen by another camera; erosion grows with the size of the image."""
+        other, scale = copy.copy(self), camera.size[0] / self.camera.size[0]
+        other.camera, other.scale = camera, self.scale * scale
+        other.keep_out = [scale * polygon for polygon in self.keep_out]
+        return other
 
     def cells(self, entry, erosion):
         """The patches of one entry: one, or the cells of its grid (columns along s, rows along t)."""
@@ -114,10 +132,14 @@ class Layout:
                 surface = entry.get("surface", face if shows is None else shows or "surroundings")
                 yield Patch(name, surface, face, shows, rect, not alone, float(entry.get("erode_px", erosion)))
 
+    def points(self, patch):
+        """The patch's four corners in the scene."""
+        face, (s0, t0, s1, t1) = self.faces[patch.face], patch.rect
+        return np.array([face.at(s0, t0), face.at(s1, t0), face.at(s1, t1), face.at(s0, t1)])
+
     def outline(self, patch):
         """The patch's projected outline in pixels, before erosion."""
-        face, (s0, t0, s1, t1) = self.faces[patch.face], patch.rect
-        return self.camera.project(np.array([face.at(s0, t0), face.at(s1, t0), face.at(s1, t1), face.at(s0, t1)]))
+        return self.camera.project(self.points(patch))
 
     def sees(self, pixels):
         """For pixels (n, 2): the first face of each, and the face seen in it if it is a mirror."""
@@ -145,11 +167,11 @@ class Layout:
         """The eroded polygon and the share of its surroundings that shows the right face."""
         size = self.camera.size
         outline = inside_image(self.outline(patch), size, 0)
-        polygon = erode(outline, patch.erode_px) if len(outline) >= 3 else outline
+        polygon = erode(outline, patch.erode_px * self.scale) if len(outline) >= 3 else outline
         if len(polygon) < 3 or mask(polygon, size).sum() < LEAST_PIXELS:
             return polygon, 0.0
         # Eroded less, the patch covers everywhere a badly registered region could lie.
-        around = mask(erode(outline, max(patch.erode_px - REGISTRATION_PX, 0)), size)
+        around = mask(erode(outline, max(patch.erode_px - REGISTRATION_PX, 0) * self.scale), size)
         rows, columns = np.nonzero(around)
         first, second = self.sees(np.stack([columns + 0.5, rows + 0.5], axis=1))
         right = first == patch.face
@@ -161,14 +183,19 @@ class Layout:
 
 
 def read_camera(entry, path):
-    """The camera of a layout: the `pose` file beside it."""
+    """The camera of a layout, from the `pose` file beside it, and its unit of length."""
     file = path.parent / need(entry, "pose", path)
-    pose = read_json(file, "run fit-pose first")
-    position = next((pose[key] for key in ("position_mm", "position_cm", "position_m") if key in pose), None)
-    if position is None:
+    return read_pose(read_json(file, "run fit-pose first"), file)
+
+
+def read_pose(pose, file):
+    """The camera that a pose describes, and its unit of length."""
+    unit_name = next((name for name in METERS if f"position_{name}" in pose), None)
+    if unit_name is None:
         raise InputError(file, "names no position", "run fit-pose again")
     with meaning(file, "run fit-pose again"):
-        return Pinhole.looking(
-            position, pose["look"], pose["up"], float(pose["horizontal_fov_deg"]),
-            tuple(pose["image_px"]), tuple(pose.get("principal_point_px", (0, 0))),
+        camera = Pinhole.looking(
+            pose[f"position_{unit_name}"], pose["look"], pose["up"], float(pose["horizontal_fov_deg"]),
+            tuple(pose["image_px"]), tuple(pose.get("principal_point_px", (0, 0))), float(pose.get("k1", 0.0)),
         )
+    return camera, unit_name

@@ -61,3 +61,13 @@ def mask(polygon, size):
         crosses = (v0 <= v) != (v1 <= v)
         within ^= crosses & (u < u0 + (v - v0) / (v1 - v0) * (u1 - u0))
     return within
+
+
+def inside(polygon, points, margin):
+    """Which points (n, 2) lie in a convex polygon, or within `margin` pixels of its lines."""
+    polygon = np.asarray(polygon, float)
+    if area(polygon) < 0:
+        polygon = polygon[::-1]
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    inward = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1, keepdims=True)
+    return np.all([(points - point) @ normal >= -margin for point, normal in zip(polygon, inward)], axis=0)

@@ -1,5 +1,6 @@
 """Chooses what a render is measured against: the photograph, or the table measured on it."""
 
+from .photograph import encoding_warning
 from .regions import remeasure
 
 
@@ -7,7 +8,7 @@ def choose_reference(table, photograph):
     """The regions to score and the report's account of them.
 
     A photograph that is not the table's own file is measured again with the
-    same polygons, and the report says so.
+    same polygons, and the report says so; so is one that the lens was taken out of.
     """
     warnings = []
     if photograph is None:
@@ -21,7 +22,13 @@ def choose_reference(table, photograph):
                 f"{photograph.file}: SHA-256 differs from that of {table.photo['file']} in the region table; the regions were measured again on the given photograph"
             )
             regions = remeasure(table, photograph)
-        reference["regions_measured_again"] = bool(warnings)
+        elif photograph.corrections:
+            regions = remeasure(table, photograph)
+        reference |= {
+            "regions_measured_again": regions is not table.regions, "corrections": list(photograph.corrections), "exposure": photograph.exposure,
+            "saturated_pixels": {region.name: region.saturated for region in regions if region.saturated},
+        }
         if any(region.dark for region in regions) and all(region.dark for region in regions):
             warnings.append(f"{photograph.file}: every region is at the black level")
+    warnings += filter(None, [encoding_warning(reference["file"], reference["encoding"])])
     return regions, reference | {"table_sha256": table.photo["sha256"], "space": table.space, "provenance": table.provenance, "warnings": warnings}

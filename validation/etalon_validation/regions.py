@@ -5,7 +5,7 @@ wherever the photograph itself may not be passed on.
 """
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,10 @@ class Region:
     rgb: np.ndarray
     deviation: np.ndarray
     error: np.ndarray
+    # Saturated pixels of the polygon, left out of the mean.
+    saturated: int = 0
+    # The polygon in the pixels of a render, through the render's own camera; None scales `polygon`.
+    in_render: np.ndarray | None = None
 
     @property
     def dark(self):
@@ -55,13 +59,18 @@ class RegionTable:
 
 
 def measure(photograph, name, surface, polygon):
-    """The region that a polygon cuts out of a photograph."""
-    values = photograph.rgb[mask(polygon, photograph.size)]
+    """The region that a polygon cuts out of a photograph, without its saturated pixels."""
+    within = mask(polygon, photograph.size)
+    covered = int(within.sum())
+    if photograph.saturated is not None:
+        within &= ~photograph.saturated
+    values = photograph.rgb[within]
     if len(values) < 2:
-        raise InputError(photograph.file, f'region "{name}" covers {len(values)} pixels', "correct its polygon")
+        what = f"covers {covered} pixels" if covered < 2 else f"is saturated in {covered - len(values)} of {covered} pixels"
+        raise InputError(photograph.file, f'region "{name}" {what}', "correct its polygon, or expose less")
     deviation = values.std(axis=0, ddof=1)
     error = deviation * np.sqrt(min(1.0, CORRELATED_PIXELS / len(values)))
-    return Region(name, surface, np.asarray(polygon, float), len(values), values.mean(axis=0), deviation, error)
+    return Region(name, surface, np.asarray(polygon, float), len(values), values.mean(axis=0), deviation, error, covered - len(values))
 
 
 def measure_layout(layout, photograph, report=print):
@@ -87,6 +96,21 @@ def remeasure(table, photograph):
     return tuple(measure(photograph, region.name, region.surface, region.polygon) for region in table.regions)
 
 
+def through_the_render(regions, layout, camera):
+    """The regions with their polygons in a render also seen through the render's own `camera`.
+
+    A camera that stands a pixel beside that of the photograph then shows the same patch of the same face. Regions
+    that are no patch of the layout, or that the render's camera does not show, keep their scaled polygon.
+    """
+    seen = layout.seen_by(camera)
+    patches = {patch.name: patch for patch in layout.patches}
+    placed = []
+    for region in regions:
+        polygon = seen.polygon(patches[region.name])[0] if region.name in patches else []
+        placed.append(replace(region, in_render=np.round(polygon, 2)) if len(polygon) >= 3 else region)
+    return tuple(placed)
+
+
 def write_table(path, layout, photograph, regions):
     """Writes regions.json, one region a line so that a change can be read."""
     def numbers(values, digits=6):
@@ -106,7 +130,7 @@ def write_table(path, layout, photograph, regions):
         "name": region.name, "surface": region.surface, "pixels": region.pixels,
         "mean_rgb": numbers(region.rgb), "deviation_rgb": numbers(region.deviation),
         "standard_error_rgb": numbers(region.error), "polygon": [numbers(point, 2) for point in region.polygon],
-    }) for region in regions]
+    } | ({"saturated_pixels": region.saturated} if region.saturated else {})) for region in regions]
     text = json.dumps(head, indent=2)[:-2] + ',\n  "regions": [\n    ' + ",\n    ".join(lines) + "\n  ]\n}\n"
     Path(path).write_text(text, encoding="utf-8")
 
@@ -120,7 +144,7 @@ def read_region(entry, path):
         polygon = np.array(entry["polygon"], float).reshape(-1, 2)
         if not all(np.isfinite(values).all() for values in (polygon, *numbers)):
             raise ValueError("not finite")
-        return Region(str(name), str(entry["surface"]), polygon, int(entry["pixels"]), *numbers)
+        return Region(str(name), str(entry["surface"]), polygon, int(entry["pixels"]), *numbers, int(entry.get("saturated_pixels", 0)))
 
 
 def read_table(path):

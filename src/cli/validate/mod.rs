@@ -5,6 +5,7 @@ mod all;
 mod cases;
 mod one;
 mod photographs;
+mod self_test;
 
 use super::arguments::Effort;
 use cases::Case;
@@ -14,8 +15,9 @@ use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Case: cornell, yale-grey, yale-brown, stanford, schoedl (exposure alone), cornell-ccd
-    /// (seven bands), peers (against Mitsuba 3); or all but the peers
+    /// Case: cornell, yale-grey, yale-brown, stanford, stanford-left, schoedl (exposure alone), cornell-ccd
+    /// (seven bands), yale-cross, stanford-cross (predicted from another photograph), peers (against
+    /// Mitsuba 3), self-test (a synthetic photograph with a known answer); or all but the last two
     case: String,
     /// The photograph; without it the region table measured on it is used. With all: CASE=FILE,
     /// as often as there are photographs
@@ -39,6 +41,10 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    if arguments.case == self_test::NAME {
+        let photo = arguments.photo.first().map(std::path::Path::new);
+        return self_test::run(photo, arguments.output.as_deref(), &arguments.effort);
+    }
     if arguments.case == "all" {
         return all::run(arguments);
     }
