@@ -142,14 +142,17 @@ class Scoring(unittest.TestCase):
             self.assertEqual({row["flag"] for row in level["regions"]}, {"registration failed"})
 
     def test_regions_follow_the_render_own_camera(self):
+        # Light falls off across the room, so that a region beside its patch shows another value.
+        write_photo(self.folder / "photo.exr", seen(self.layout, nominal(), shading=0.9))
         self.assertEqual(self.run_main("measure-regions", "--case", str(self.folder), "--photo", str(self.folder / "photo.exr"))[0], 0)
-        described = scene()["camera"] | {"position": [0.115, 0.8, -1.3]}
-        (self.folder / "scene.json").write_text(json.dumps(scene(described)))
-        self.write_render(seen(self.layout, replace(nominal(), position=np.array([0.115, 0.8, -1.3]))))
+        aside = [0.16, 0.8, -1.3]
+        (self.folder / "scene.json").write_text(json.dumps(scene(scene()["camera"] | {"position": aside})))
+        self.write_render(seen(self.layout, replace(nominal(), position=np.array(aside)), shading=0.9))
         code, _, err = self.score("photo.exr")
         self.assertEqual(code, 0, err)
         followed = json.loads((self.folder / "report" / "report.json").read_text())["levels"]["L0"]["overall"]["nrmse"]
-        self.assertLess(followed, 2e-3)
+        # Regions 6 px beside their patches are off by a few per cent in this light.
+        self.assertLess(followed, 0.01)
 
     def test_register_writes_verdict_and_refined_pose(self):
         words = ("register", "--case", str(self.folder), "--render", str(self.folder / "out.exr"), "--photo", str(self.folder / "photo.exr"), "-o", str(self.folder / "found.json"))
