@@ -93,16 +93,17 @@ def scenes(scene, lamp):
 
 
 def render_basis(renderer, case, lamp, size, seed, folder):
-    """Renders (k) of a case's scene under each basis function, at `size`; files stay in `folder`."""
+    """Renders (k) of a case's scene under each basis function, at `size`, and their files in `folder`."""
     file = Path(case) / "scene.json"
     scene = read_json(file, "a case needs a scene.json")
     with meaning(file, "name a luminous sphere or quad of the scene as the lamp"):
         variants = scenes(scene, lamp)
+    files = [folder / f"{Path(case).name}-{index}.exr" for index in range(len(variants))]
     renders = []
     for index, variant in enumerate(variants):
         # Beside the original file, paths in the scene would mean the same; built-in spectra do anywhere.
         source = file if lamp is None else folder / f"{Path(case).name}-{index}.json"
         if lamp is not None:
             source.write_text(json.dumps(variant), encoding="utf-8")
-        renders.append(renderer.render(source, size, seed + index, folder / f"{Path(case).name}-{index}.exr"))
-    return renders
+        renders.append(renderer.render(source, size, seed + index, files[index]))
+    return renders, files

@@ -128,6 +128,8 @@ def run_score(chosen):
         found = register(chosen.case, photograph, render)
         failed = refuse_unless_registered(found, photograph, chosen.force_registration)
     regions, reference = choose_reference(table, photograph)
+    if photograph is None:
+        regions, reference["corrections"] = regions_without_lens(chosen, regions, table, render)
     reference["registration"] = registration(chosen.case)
     if reference["registration"] is not None:
         regions = regions_in_render(chosen.case, regions, render)
@@ -166,6 +168,17 @@ def without_lens(chosen, photograph, render):
     if photograph.size != camera.size:
         return photograph
     return corrected(photograph, camera, render.record, chosen.flat_field, chosen.render)
+
+
+def regions_without_lens(chosen, regions, table, render):
+    """Regions of the table with the recorded fall-off of the lens taken out, where the case has a pose; and what was done."""
+    from .layout import Layout
+    from .lens import corrected_regions
+
+    if not (chosen.case / "layout.json").is_file() or not (chosen.case / "pose.json").is_file():
+        return regions, []
+    camera = Layout(chosen.case / "layout.json").camera
+    return corrected_regions(regions, camera, render.record, chosen.render) if camera.size == table.size else (regions, [])
 
 
 def show(value, digits):

@@ -17,6 +17,7 @@ from .basis import FIRST_SEED, RIGHT_ANGLE_DEG, Lamp, centre, lamp_object, rende
 from .difference import SRGB_TO_XYZ, XYZ_TO_SRGB
 from .errors import InputError, meaning, need, read_json
 from .layout import Layout
+from .lens import model_field
 from .linearity import noise_exponent
 from .photograph import LINEAR, read_photograph
 from .polygons import mask
@@ -126,14 +127,18 @@ def blocks(values, inside, side):
     return squares(values)[whole].mean(axis=1)
 
 
-def prepare(case, photo, renders, scale=None):
-    """A side from a case, its photograph (or None for the region table alone) and its basis renders.
+def prepare(case, photo, renders, files, scale=None):
+    """A side from a case, its photograph (or None for the region table alone) and its basis renders, read from `files`.
 
     `scale` divides the renders; the side to be predicted takes that of the fitted one, so that
     one exposure serves both.
     """
     table = read_table(case / "regions.json")
-    basis = np.array([channels(render, table.space) for render in renders])
+    layout = Layout(case / "layout.json")
+    facts = renders[0].record["camera"]
+    fall_off, _ = model_field(facts.get("vignetting"), facts, layout.camera, files[0])
+    # Into the prediction and not out of the photograph: a tone curve comes after the lens.
+    basis = np.array([channels(render, table.space) for render in renders]) * (1.0 if fall_off is None else fall_off)
     masks = [mask(region.polygon, table.size) for region in table.regions]
     region_basis = np.array([[picture[inside].mean(axis=0) for inside in masks] for picture in basis])
     region_photo = np.array([region.rgb for region in table.regions])
@@ -145,7 +150,7 @@ def prepare(case, photo, renders, scale=None):
         return Side(case, scale, region_basis, region_photo, region_basis, region_photo, tile, region_basis, region_photo, names, None, None, basis, None, table.photo["file"])
     if photo.size != table.size:
         raise InputError(photo.file, f"is {photo.size} pixels, the case has {table.size}", "give the photograph of the case")
-    inside = visible(Layout(case / "layout.json"))
+    inside = visible(layout)
     saturated = getattr(photo, "saturated", None)
     if saturated is not None:
         inside &= ~saturated
@@ -198,8 +203,8 @@ def predict(plan_file, renderer, photos, output):
     for index, (case, photo) in enumerate(zip(cases, read)):
         size = read_table(case / "regions.json").size
         seed = FIRST_SEED + 100 * index
-        found = render_basis(renderer, case, lamp, size, seed, output)
-        sides.append(prepare(case, photo, found, sides[0].scale if sides else None))
+        found, files = render_basis(renderer, case, lamp, size, seed, output)
+        sides.append(prepare(case, photo, found, files, sides[0].scale if sides else None))
         renders += found
     fitted, predicted = sides
     outcomes = [judge(names, fitted, predicted) for names in plan["unknowns"]]

@@ -14,6 +14,7 @@ from scipy import ndimage
 
 from .errors import InputError, meaning
 from .photograph import read_photograph
+from .polygons import mask
 
 # A flat field is smoothed over this share of its width: its noise is not the lens.
 SMOOTHING = 0.01
@@ -37,6 +38,18 @@ def corrected(photograph, camera, record=None, flat_field=None, render_file=None
     return undistorted(photograph, camera)
 
 
+def corrected_regions(regions, camera, record, render_file):
+    """Regions measured on a photograph that is not at hand, divided by the recorded vignetting; and what was done."""
+    factors, said = model_field(record["camera"].get("vignetting"), record["camera"], camera, render_file)
+    if factors is None:
+        return regions, []
+    divided = []
+    for region in regions:
+        share = float(factors[mask(region.polygon, camera.size)].mean())
+        divided.append(replace(region, rgb=region.rgb / share, deviation=region.deviation / share, error=region.error / share))
+    return tuple(divided), [f"region means divided by {said}"]
+
+
 def grid(size):
     """The centres (h * w, 2) of all pixels of an image (width, height)."""
     u, v = np.meshgrid(np.arange(size[0]) + 0.5, np.arange(size[1]) + 0.5)
@@ -55,7 +68,7 @@ def model_field(vignetting, facts, camera, render_file):
         elif model == "radial_table":
             at, given = np.array(vignetting["at"], float), np.array(vignetting["relative_illuminance"], float)
             in_mm = vignetting["coordinate"] == "radius_mm"
-            factors = np.interp(radius * float(facts["focal_length_mm"]) if in_mm else np.degrees(np.arctan(radius)), at, given)
+            factors = np.interp(radius * float(facts["image_distance_mm"]) if in_mm else np.degrees(np.arctan(radius)), at, given)
         elif model == "flat_field":
             factors = channel(render_file, vignetting["channel"], camera.size).ravel()
         else:
