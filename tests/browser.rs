@@ -20,11 +20,14 @@ const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "g
 const FAILING: &str = "yale-brown";
 
 /// Cases of `validate all`, and how each ends where no band images are given.
-const CASES: [(&str, &str); 6] = [
+const CASES: [(&str, &str); 9] = [
     ("cornell", "done"),
     ("yale-grey", "done"),
     (FAILING, "failed"),
     ("stanford", "done"),
+    ("stanford-left", "done"),
+    ("yale-cross", "done"),
+    ("stanford-cross", "done"),
     ("schoedl", "done"),
     ("cornell-ccd", "skipped"),
 ];

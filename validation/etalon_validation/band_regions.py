@@ -72,17 +72,17 @@ def check_shape(scene, path, name, size):
 
 def fitted(plan, points, size):
     """The camera fitted to picked points, and what the fit says."""
-    world, pixels, length = read_points(points)
+    world, pixels, length, names = read_points(points)
     if length != plan.table["length_unit"]:
         raise InputError(points, f"is in {length}", f"write the columns in {plan.table['length_unit']}")
     with meaning(plan.path, "give level.look and level.up"):
         level = plan.table["level"]
         frame = Frame(unit(level["look"]), unit(level["up"]), tuple(size), length)
     try:
-        pose = fit_pose(world, pixels, frame)
+        pose = fit_pose(world, pixels, frame, names)
     except (np.linalg.LinAlgError, ValueError) as error:
         raise InputError(points, f"fix no camera ({error})", "pick vertices that span the picture and lie in more than one plane") from None
-    camera = Pinhole.looking(pose[f"position_{length}"], pose["look"], pose["up"], pose["horizontal_fov_deg"], tuple(size), tuple(pose["principal_point_px"]))
+    camera = Pinhole.looking(pose[f"position_{length}"], pose["look"], pose["up"], pose["horizontal_fov_deg"], tuple(size), tuple(pose["principal_point_px"]), pose["k1"])
     return camera, {"kind": "fitted", "points": pose["points"], "rms_px": pose["rms_px"], "parameters": pose["models"][pose["chosen"]]["parameters"]}
 
 

@@ -102,6 +102,8 @@ def placement(path):
     if not path.is_file():
         return UNKNOWN_PLACE_PX, None, f"assumed {UNKNOWN_PLACE_PX:g} px, no pose.json"
     pose = read_json(path, "run fit-pose")
+    if "points" not in pose:
+        return UNKNOWN_PLACE_PX, None, f"assumed {UNKNOWN_PLACE_PX:g} px, pose.json names no points"
     with meaning(path, "run fit-pose again"):
         coordinates, rms = 2 * int(pose["points"]), float(pose["rms_px"])
         fitted = [name for name in pose["models"][pose["chosen"]]["parameters"] if name != "horizontal_fov_deg"]

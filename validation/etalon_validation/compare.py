@@ -128,7 +128,7 @@ def quantisation(photo, deviation, pixels, encoding):
 def compare(table, regions, render, encoding="linear", photograph=None):
     """Brings render and photograph into one space: the camera's channels if both have them, else linear sRGB."""
     masks = region_masks(table, regions, render)
-    usable = np.array([not region.dark for region in regions])
+    usable = np.array([region.flag is None for region in regions])
     if usable.sum() < 4:
         raise InputError(table.path, f"{usable.sum()} regions are bright enough to fit", "measure more regions")
     xyz = means(render.xyz / render.saturation, masks)

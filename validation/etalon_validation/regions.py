@@ -17,6 +17,8 @@ from .polygons import mask
 CORRELATED_PIXELS = 9
 # Below this mean linear value a photograph shows its black level and not the scene.
 NOISE_FLOOR = 0.01
+# With a larger share of saturated pixels left out, what remains is the darker part of a region that the render has whole.
+MOST_SATURATED = 0.01
 SPACES = ("linear_srgb", "camera_rgb")
 
 
@@ -40,6 +42,14 @@ class Region:
     def dark(self):
         """Whether the photograph has no signal here."""
         return float(self.rgb.mean()) < NOISE_FLOOR
+
+    @property
+    def flag(self):
+        """Why the region cannot be fitted or counted, or None."""
+        if self.dark:
+            return "photograph at its black level"
+        share = self.saturated / max(self.saturated + self.pixels, 1)
+        return f"photograph saturated in {100 * share:.0f} % of it" if share > MOST_SATURATED else None
 
 
 @dataclass(frozen=True)

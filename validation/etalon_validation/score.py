@@ -36,7 +36,7 @@ def ends(values, digits=6):
 def score_level(level, both, regions, setting, all_causes, sides):
     """Figures, budget and verdicts of one level."""
     draws = spread(level.name, both, setting, sides)
-    counted = np.array([not region.dark for region in regions])
+    counted = np.array([region.flag is None for region in regions])
     rows, undefined = region_rows(level, both, regions, draws, counted)
     fitted = level.fitted | parameter_intervals(level.name, both, setting, all_causes)
     return {
@@ -72,7 +72,7 @@ def region_rows(level, both, regions, draws, counted):
             "above_white": bool(too_bright[index]), "photo_luminance": number(photo[index, 1]),
             "render_noise": number(both.noise[index]), "photo_noise": number(relative_photo[index]),
             "render_noise_dominates": bool(both.noise[index] > relative_photo[index]),
-            "in_overall": not region.dark, "flag": "photograph at its black level" if region.dark else None,
+            "in_overall": region.flag is None, "flag": region.flag,
         } | verdict_of(judged[index], intervals["duv"][index, 1] - figures["duv"][index]))
     return rows, undefined
 
@@ -121,7 +121,7 @@ def assumptions(both, render, reference, calibration):
         f"dE ITP is absolute: both sides are seen with Y = 1 at {ITP_WHITE_CD_M2:g} cd/m2 (reference white of ITU-R BT.2408), not at the luminance of the scene.",
         f"Intervals are 95 %, from {DRAWS} draws of the whole budget with every fit made anew (JCGM 101): noise of both sides, rounding, registration and the declared calibration.{declared} Those of distances are the distance plus and minus the radius that holds 95 % of the draws, and are therefore rather too wide than too narrow.",
         f"A region differs where luminance ratio and chromaticity together fall outside the budget; of the regions called different at a level, at most {100 * FALSE_ALARMS:g} % are expected to be false alarms, whatever their errors share (Benjamini-Yekutieli).",
-        "Regions whose mean linear value in the photograph is below 0.01 are listed, flagged and kept out of fits and overall figures.",
+        "Regions whose mean linear value in the photograph is below 0.01, or of which more than 1 % is saturated there, are listed, flagged and kept out of fits and overall figures.",
         "A region's render value is the mean over its pixels with the mean's standard error; bright single pixels are neither removed nor clipped. Where that error is larger than the photograph's, the region says so.",
         f"L3 predicts every region with a matrix fitted without any region of its surface (leave one surface out). Its entries are expected within {EXPECTED_MIXTURE:g} of the channel gains, so that a colour that no other surface shows keeps the gains.",
         "L4 is L2 and a uniform veil: a share of the light, spread as the mean of the whole render, light from outside the frame not counted. It also predicts every region without its surface; below zero it is not glare.",
@@ -135,7 +135,7 @@ def score(table, regions, render, reference, calibration, photograph=None, insid
     """
     both = compare(table, regions, render, reference["encoding"], photograph)
     surfaces = np.array([region.surface for region in regions])
-    usable = np.array([not region.dark for region in regions])
+    usable = np.array([region.flag is None for region in regions])
     if len(set(surfaces[usable])) < 2:
         raise InputError(table.path, "all regions show one surface", "measure a second surface, the matrix is tested on surfaces it has not seen")
     setting = Setting.of(both.render, both.photo, both.luminance, surfaces, usable, both.mean_picture)

@@ -11,12 +11,6 @@ GENERATOR = np.random.default_rng(31)
 PHOTO = GENERATOR.uniform(0.1, 0.8, (24, 32, 3))
 
 
-class WithSaturation(Photograph):
-    """A photograph that knows which of its pixels are saturated."""
-
-    saturated = np.zeros(PHOTO.shape[:2], bool)
-
-
 class Perceptual(unittest.TestCase):
     def test_nrmse_is_the_planted_error_over_the_mean(self):
         error = 0.05 * np.where(GENERATOR.random(PHOTO.shape) < 0.5, -1, 1)
@@ -36,8 +30,9 @@ class Perceptual(unittest.TestCase):
         np.testing.assert_array_equal(valid_pixels(coded, predicted, inside), expected)
 
     def test_the_saturation_that_a_photograph_declares_is_believed(self):
-        photograph = WithSaturation(PHOTO, "photo.dng", "0", "linear")
-        photograph.saturated[5, 6] = True
+        saturated = np.zeros(PHOTO.shape[:2], bool)
+        saturated[5, 6] = True
+        photograph = Photograph(PHOTO, "photo.dng", "0", "linear", saturated=saturated)
         valid = valid_pixels(photograph, PHOTO)
         self.assertEqual((valid.sum(), valid[5, 6]), (valid.size - 1, False))
 

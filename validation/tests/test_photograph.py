@@ -118,7 +118,7 @@ class Lens(unittest.TestCase):
     def test_a_radial_table_in_millimetres_and_degrees(self):
         for coordinate, end in (("radius_mm", 50.0), ("angle_deg", 45.0)):
             vignetting = {"model": "radial_table", "coordinate": coordinate, "at": [0, end], "relative_illuminance": [1, 0.5]}
-            record = {"camera": {"focal_length_mm": 50.0, "vignetting": vignetting}}
+            record = {"camera": {"focal_length_mm": 48.0, "image_distance_mm": 50.0, "vignetting": vignetting}}
             divided = corrected(self.even, self.camera, record).rgb[10, 20, 0]
             plane = np.linalg.norm(self.camera.straightened([[20.5, 10.5]]))
             share = plane if coordinate == "radius_mm" else np.degrees(np.arctan(plane)) / 45
