@@ -55,7 +55,7 @@ fn photographs() -> PathBuf {
         "render".as_ref(),
         "reference/cornell-photo/scene.json".as_ref(),
         "--spp".as_ref(),
-        "4".as_ref(),
+        "16".as_ref(),
         "--seed".as_ref(),
         "5".as_ref(),
         "-o".as_ref(),
@@ -84,7 +84,7 @@ fn pages() -> &'static (PathBuf, String) {
         std::fs::create_dir_all(&folder).expect("the folder can be made");
         std::fs::write(folder.join(FAILING), "in the way").expect("the file can be written");
         let photos = photographs();
-        let words = ["validate", "all", "--spp", "2", "--photos"].map(std::ffi::OsStr::new);
+        let words = ["validate", "all", "--spp", "4", "--photos"].map(std::ffi::OsStr::new);
         let more = [photos.as_os_str(), "-o".as_ref(), folder.as_os_str()];
         let output = etalon(&[&words[..], &more[..]].concat());
         assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
@@ -140,11 +140,11 @@ fn every_case_has_a_row_with_its_figures() {
         rows.iter().filter_map(|row| Some((row["case"].as_str()?, row["status"].as_str()?))).collect();
     assert_eq!(found, CASES);
     let command = index["command"].as_str().expect("the command");
-    assert!(command.starts_with("etalon validate all --spp 2"), "{command}");
+    assert!(command.starts_with("etalon validate all --spp 4"), "{command}");
     let processor: f64 = rows.iter().filter_map(|row| row["cpu_seconds"].as_f64()).sum();
     assert!((processor - index["cpu_seconds"].as_f64().expect("a number")).abs() < 1e-9);
     for row in rows.iter().filter(|row| row["status"] == "done") {
-        assert_eq!(row["samples_per_pixel"], 2, "{}", row["case"]);
+        assert_eq!(row["samples_per_pixel"], 4, "{}", row["case"]);
         let report = row["report"].as_str().expect("a link");
         assert!(!report.starts_with('/') && folder.join(report).is_file(), "{report}");
     }
@@ -180,7 +180,7 @@ fn a_case_that_fails_is_a_row_and_the_others_are_scored() {
         failed["reason"].as_str().is_some_and(|reason| reason.contains("cannot make the folder")),
         "{failed}"
     );
-    assert_eq!(index["counts"], serde_json::json!({ "done": 4, "failed": 1, "skipped": 1 }));
+    assert_eq!(index["counts"], serde_json::json!({ "done": 7, "failed": 1, "skipped": 1 }));
     let page = std::fs::read_to_string(folder.join("index.html")).expect("the index is there");
     assert!(page.contains("1 failed"), "the page says so");
 }

@@ -110,7 +110,8 @@ def run_score(chosen):
     """report.json, report.html and one printed line per level."""
     from .calibration import read_calibration
     from .perceptual import inside_box
-    from .photograph import read_photograph
+    from .linearity import in_words as in_words_of, noise_exponent
+    from .photograph import LINEAR, read_photograph
     from .regions import read_table
     from .reference import choose_reference
     from .registration import mark_failed, refuse_unless_registered, register, regions_in_render, registration, registration_warning
@@ -128,6 +129,13 @@ def run_score(chosen):
         found = register(chosen.case, photograph, render)
         failed = refuse_unless_registered(found, photograph, chosen.force_registration)
     regions, reference = choose_reference(table, photograph)
+    inside = inside_box(chosen.case, table.size)
+    reference["noise"] = None
+    if photograph is not None and photograph.encoding == LINEAR and inside is not None:
+        reference["noise"] = noise_exponent(photograph.rgb, inside)
+    if reference["noise"]:
+        sentence, against = in_words_of(photograph.file, reference["noise"])
+        reference["warnings"] += [sentence] * against
     if photograph is None:
         regions, reference["corrections"] = regions_without_lens(chosen, regions, table, render)
     reference["registration"] = registration(chosen.case)
@@ -137,7 +145,7 @@ def run_score(chosen):
     reference["warnings"] += filter(None, [registration_warning(reference["registration"]), failed])
     for warning in reference["warnings"]:
         print(f"warning: {warning}", file=sys.stderr)
-    report, both, levels = score(table, regions, render, reference, read_calibration(chosen.case), photograph, inside_box(chosen.case, table.size))
+    report, both, levels = score(table, regions, render, reference, read_calibration(chosen.case), photograph, inside)
     if failed:
         mark_failed(report)
     chosen.output.mkdir(parents=True, exist_ok=True)

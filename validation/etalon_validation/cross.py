@@ -18,7 +18,7 @@ from .difference import SRGB_TO_XYZ, XYZ_TO_SRGB
 from .errors import InputError, meaning, need, read_json
 from .layout import Layout
 from .lens import model_field
-from .linearity import noise_exponent
+from .linearity import in_words, noise_exponent
 from .photograph import LINEAR, read_photograph
 from .polygons import mask
 from .regions import read_table
@@ -275,14 +275,7 @@ def statements(report):
         noise = report[side]["noise"]
         if noise is None:
             continue
-        ends = noise["interval_95"]
-        if ends[0] <= 0.5 <= ends[1]:
-            said.append(f"The noise of {report[side]['file']} grows as that of linear values (exponent {noise['exponent']:.2f}).")
-        else:
-            said.append(
-                f"The noise of {report[side]['file']} grows with exponent {noise['exponent']:.2f} ({ends[0]:.2f} to {ends[1]:.2f}) of the level, where linear values have 0.5: "
-                f"these are not linear values, unless processing took noise away by level. A tone exponent of {noise['tone_exponent']:.2f} would give it."
-            )
+        said.append(in_words(report[side]["file"], noise)[0])
     by_name = {frozenset(entry["unknowns"]): entry["predicted_nrmse"] for entry in rows}
     for names, figure in by_name.items():
         without = by_name.get(names - {"lamp"})

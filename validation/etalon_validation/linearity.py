@@ -46,6 +46,17 @@ def noise_exponent(rgb, inside):
     return {"exponent": round(best, 3), "interval_95": [round(float(low), 3), round(float(high), 3)], "linear_would_be": 0.5, "tone_exponent": round(1 / (2 * (1 - best)), 3), "tiles": len(levels[0])}
 
 
+def in_words(file, noise):
+    """What the exponent says of a file, and whether it speaks against linear values."""
+    low, high = noise["interval_95"]
+    if low <= noise["linear_would_be"] <= high:
+        return f"The noise of {file} grows as that of linear values (exponent {noise['exponent']:.2f}).", False
+    return (
+        f"The noise of {file} grows with exponent {noise['exponent']:.2f} ({low:.2f} to {high:.2f}) of the level, where linear values have 0.5: "
+        f"these are not linear values, unless processing took noise away by level. A tone exponent of {noise['tone_exponent']:.2f} would give it."
+    ), True
+
+
 def channel_samples(values, inside, tile=5):
     """Mean level and noise deviation of flat tiles of a channel."""
     noise = np.abs(convolve2d(values, KERNEL, mode="same"))

@@ -161,7 +161,7 @@ def refuse_unless_registered(found, photograph, forced):
         return None
     problem = "registration failed: " + "; ".join(found["reasons"])
     if not forced:
-        raise InputError(photograph.file, problem, "give the photograph of this case, fit the pose again (fit-pose, measure-regions), or score anyway with --force-registration")
+        raise InputError(photograph.file, problem, "give the photograph of this case, render more samples, fit the pose again (fit-pose, measure-regions), or score anyway with --force-registration")
     return f"{photograph.file}: {problem}; scored because of --force-registration, no figure is to be believed"
 
 

@@ -89,6 +89,9 @@ fn row(
     let mut words: Vec<OsString> = vec!["validate".into(), case.name.into(), "-o".into(), place.into()];
     words.extend(effort(case, arguments).words().into_iter().map(OsString::from));
     words.extend(photographs::words(case, photos));
+    if case.against == Against::Photograph && arguments.force_registration {
+        words.push("--force-registration".into());
+    }
     if case.against == Against::Bands {
         for (option, value) in [("--bands", &arguments.bands), ("--points", &arguments.points)] {
             words.extend(value.iter().flat_map(|value| [option.into(), value.into()]));

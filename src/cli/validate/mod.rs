@@ -33,6 +33,9 @@ pub struct Arguments {
     /// Vertices picked in the band images, which the pose of their camera is fitted to
     #[arg(long, value_name = "FILE.csv", requires = "bands")]
     points: Option<PathBuf>,
+    /// Score a photograph even where its registration fails, and mark every figure
+    #[arg(long)]
+    force_registration: bool,
     /// Folder for reports and images [default: out/validate-CASE]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,

@@ -36,7 +36,11 @@ pub fn run(case: &Case, arguments: &Arguments) -> anyhow::Result<ExitCode> {
     arguments.effort.start_threads()?;
     let rendered = render(case, arguments)?;
     let words = match case.against {
-        Against::Photograph | Against::Another(_) => optional("--photo", photo.as_deref()),
+        Against::Photograph | Against::Another(_) => {
+            let mut words = optional("--photo", photo.as_deref());
+            words.extend(arguments.force_registration.then(|| "--force-registration".into()));
+            words
+        }
         Against::Bands => {
             let mut words = optional("--bands", bands.as_deref());
             words.extend(optional("--points", arguments.points.as_deref()));
