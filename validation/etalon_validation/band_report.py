@@ -11,10 +11,12 @@ from . import __version__
 from .band_regions import find_regions, read_scene
 from .band_score import DARK_SHARE, measure_images, measure_render, score_bands
 from .bands import read_bands, read_plan
+from .lens import model_field
 from .maps import STOPS_RANGE, gradient, resized, smoothed, stops_map
 from .overlay import display
 from .page import svg, today, write_page
-from .render import read_channels, read_render
+from .registration import scene_camera
+from .render import check_scene, read_channels, read_render
 from .report import data_uri, environment, finite
 from .thumbnails import write_pair
 
@@ -24,12 +26,22 @@ PAGE_WIDTH_PX = 560
 WHITE_PERCENTILE = 99.0
 
 
+def fallen_off(channels, render, scene, render_file):
+    """Band channels (bands, height, width) with the vignetting that the render's record states."""
+    facts = render.record["camera"]
+    camera = scene_camera(scene, scene["length_unit"], render.size)
+    factors, _ = model_field(facts.get("vignetting"), facts, camera, render_file) if camera else (None, None)
+    return channels if factors is None else channels * factors[..., 0]
+
+
 def band_report(case, render_file, place, points, output):
     """Scores a render against band images and writes both reports; returns the report."""
     plan = read_plan(case)
     scene, scene_path = read_scene(case)
     render = read_render(render_file)
     channels = read_channels(render_file, [band.channel for band in plan.bands])
+    check_scene(render, case)
+    channels = fallen_off(channels, render, scene, render_file)
     images = read_bands(place, plan)
     sight = find_regions(plan, scene, scene_path, render.size, images.size, points)
     photo = measure_images(images, sight.pairs)

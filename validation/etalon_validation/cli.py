@@ -115,7 +115,7 @@ def run_score(chosen):
     from .regions import read_table
     from .reference import choose_reference
     from .registration import mark_failed, refuse_unless_registered, register, regions_in_render, registration, registration_warning
-    from .render import read_render
+    from .render import check_scene, read_render
     from .report import write_report
     from .score import score
     from .maps import resized
@@ -123,6 +123,7 @@ def run_score(chosen):
 
     table = read_table(chosen.case / "regions.json")
     render = read_render(chosen.render)
+    check_scene(render, chosen.case)
     photograph, found, failed = None, None, None
     if chosen.photo:
         photograph = without_lens(chosen, read_photograph(chosen.photo), render)
@@ -185,7 +186,7 @@ def regions_without_lens(chosen, regions, table, render):
 
     if not (chosen.case / "layout.json").is_file() or not (chosen.case / "pose.json").is_file():
         return regions, []
-    camera = Layout(chosen.case / "layout.json").camera
+    camera = Layout(chosen.case / "layout.json").camera.undistorted
     return corrected_regions(regions, camera, render.record, chosen.render) if camera.size == table.size else (regions, [])
 
 

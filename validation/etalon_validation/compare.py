@@ -18,6 +18,10 @@ from .polygons import mask
 from .regions import CORRELATED_PIXELS
 
 
+# A region's level in the render is not taken to be below this: it is divided by.
+FAINTEST = 1e-9
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Region means of render and photograph in one space of three channels.
@@ -52,12 +56,10 @@ class Comparison:
 
 def scaled_polygon(region, table, render):
     """A region's polygon in the pixels of a render that may be larger or smaller than the photograph."""
-    if region.in_render is not None:
-        return region.in_render
     scale = np.array(render.size, float) / np.array(table.size, float)
     if abs(scale[0] / scale[1] - 1) > 0.005:
         raise InputError(render.file, f"has {render.size} pixels, the photograph {table.size}", "render at the photograph's aspect ratio")
-    return region.polygon * scale
+    return region.polygon * scale if region.in_render is None else region.in_render
 
 
 def region_masks(table, regions, render):
@@ -155,8 +157,9 @@ def shifts(table, regions, masks, channels, photo, photograph):
         own = [mask(region.polygon, table.size) for region in regions]
         return per_pixel_shift(photograph.rgb, own, (1, 1)), "the photograph"
     scale = np.array(channels.shape[1::-1]) / np.array(table.size)
-    relative = per_pixel_shift(channels, masks, scale) / np.maximum(means(channels, masks), 1e-12)[:, None]
-    return relative * photo[:, None], "the render"
+    # Relative to the mean over channels: a saturated colour has one that is near zero or below.
+    level = np.maximum(means(channels, masks).mean(axis=1), FAINTEST)
+    return per_pixel_shift(channels, masks, scale) * (np.maximum(photo.mean(axis=1), 0) / level)[:, None, None], "the render"
 
 
 def in_camera(render, masks, xyz, xyz_error, usable):

@@ -17,13 +17,16 @@ from .basis import FIRST_SEED, RIGHT_ANGLE_DEG, Lamp, centre, lamp_object, rende
 from .difference import SRGB_TO_XYZ, XYZ_TO_SRGB
 from .errors import InputError, meaning, need, read_json
 from .layout import Layout
-from .lens import model_field
+from .lens import model_field, undistorted
 from .linearity import in_words, noise_exponent
-from .photograph import LINEAR, read_photograph
+from .photograph import LINEAR, encoding_warning, read_photograph
 from .polygons import mask
+from .registration import refuse_unless_registered, register
 from .regions import read_table
 from .unknowns import NAMES, Model, fit, nrmse
 
+# Photographs that differ by less than this are no test of a fit.
+ALIKE = 0.1
 # Pixels nearer than this to the edge of what the scene shows are left out: registration is no better.
 MARGIN_PX = 3
 # Fits use means over squares of this many pixels, scores single pixels.
@@ -39,7 +42,8 @@ class Side:
     """One photograph with its basis pictures: values as fitted, and as scored.
 
     `basis` is (k, n, 3) and `photo` (n, 3) over blocks or regions; the `scored_` ones are over pixels
-    or regions, `tile` the square that each scored value lies in; `region_` ones over regions.
+    or regions, `tile` the square that each scored value lies in; `region_` ones over regions. `mean` (k, 3)
+    is that of the whole pictures, which a veil is made of.
     """
 
     case: Path
@@ -55,6 +59,7 @@ class Side:
     picture: np.ndarray | None
     inside: np.ndarray | None
     basis_pictures: np.ndarray
+    mean: np.ndarray
     noise: dict | None
     file: str
 
@@ -80,6 +85,8 @@ def read_plan(path):
     for case in cases:
         if not case.is_dir():
             raise InputError(path, f'no case "{case.name}" beside it', "name a folder of reference/")
+    if cases[0] == cases[1]:
+        raise InputError(path, "fits and predicts the same case", "name another case in predict")
     sets = need(plan, "unknowns", path)
     with meaning(path, "give lists of " + ", ".join(NAMES)):
         unknown = [name for names in sets for name in names if name not in NAMES]
@@ -135,22 +142,24 @@ def prepare(case, photo, renders, files, scale=None):
     """
     table = read_table(case / "regions.json")
     layout = Layout(case / "layout.json")
+    pinhole = layout.camera.undistorted
     facts = renders[0].record["camera"]
-    fall_off, _ = model_field(facts.get("vignetting"), facts, layout.camera, files[0])
+    fall_off, _ = model_field(facts.get("vignetting"), facts, pinhole, files[0])
     # Into the prediction and not out of the photograph: a tone curve comes after the lens.
     basis = np.array([channels(render, table.space) for render in renders]) * (1.0 if fall_off is None else fall_off)
-    masks = [mask(region.polygon, table.size) for region in table.regions]
+    regions = [region for region in table.regions if region.flag is None]
+    masks = [mask(region.polygon, table.size) for region in regions]
     region_basis = np.array([[picture[inside].mean(axis=0) for inside in masks] for picture in basis])
-    region_photo = np.array([region.rgb for region in table.regions])
+    region_photo = np.array([region.rgb for region in regions])
     scale = scale or region_basis[0].mean()
     basis, region_basis = basis / scale, region_basis / scale
-    names = tuple(region.name for region in table.regions)
+    names, mean = tuple(region.name for region in regions), basis.mean(axis=(1, 2))
     if photo is None:
         tile = np.arange(len(names))
-        return Side(case, scale, region_basis, region_photo, region_basis, region_photo, tile, region_basis, region_photo, names, None, None, basis, None, table.photo["file"])
+        return Side(case, scale, region_basis, region_photo, region_basis, region_photo, tile, region_basis, region_photo, names, None, None, basis, mean, None, table.photo["file"])
     if photo.size != table.size:
         raise InputError(photo.file, f"is {photo.size} pixels, the case has {table.size}", "give the photograph of the case")
-    inside = visible(layout)
+    inside = visible(layout.seen_by(pinhole))
     saturated = getattr(photo, "saturated", None)
     if saturated is not None:
         inside &= ~saturated
@@ -160,7 +169,7 @@ def prepare(case, photo, renders, files, scale=None):
     region_photo = np.array([photo.rgb[within].mean(axis=0) for within in masks])
     return Side(
         case, scale, fitted, blocks(photo.rgb, inside, FIT_BLOCK_PX), basis[:, inside], photo.rgb[inside], tile, region_basis,
-        region_photo, names, photo.rgb, inside, basis, noise_exponent(photo.rgb, inside) if photo.encoding == LINEAR else None, photo.file,
+        region_photo, names, photo.rgb, inside, basis, mean, noise_exponent(photo.rgb, inside) if photo.encoding == LINEAR else None, photo.file,
     )
 
 
@@ -183,13 +192,13 @@ def shares(values):
 
 def judge(unknowns, fitted, predicted):
     """Fits a set of unknowns on one side and predicts the other."""
-    model = fit(unknowns, fitted.basis, fitted.photo, len(fitted.region_photo))
-    again, photo = model.predict(predicted.scored_basis), predicted.scored_photo
-    regions = model.predict(predicted.region_basis)
+    model = fit(unknowns, fitted.basis, fitted.photo, len(fitted.region_photo), fitted.mean)
+    again, photo = model.predict(predicted.scored_basis, predicted.mean), predicted.scored_photo
+    regions = model.predict(predicted.region_basis, predicted.mean)
     # The factor on the light with which the prediction would fit best.
     factor = float((again * photo).sum() / (again * again).sum())
     return Outcome(
-        model, nrmse(model.predict(fitted.scored_basis), fitted.scored_photo), nrmse(again, photo),
+        model, nrmse(model.predict(fitted.scored_basis, fitted.mean), fitted.scored_photo), nrmse(again, photo),
         interval(again, photo, predicted.tile), nrmse(regions, predicted.region_photo), float(np.sqrt(((shares(regions) - shares(predicted.region_photo)) ** 2).mean())),
         float(np.log2(factor) / model.exponent) if factor > 0 else float("nan"),
     )
@@ -199,11 +208,16 @@ def predict(plan_file, renderer, photos, output):
     """The whole comparison: renders, fits, figures; the report as a JSON object and what its pages need."""
     plan, cases, lamp = read_plan(plan_file)
     read = [read_photograph(file) if file else None for file in photos]
+    if read[0] is not None and read[0].sha256 == read[1].sha256:
+        raise InputError(read[1].file, "is the photograph that is fitted", "give another one to predict")
     sides, renders = [], []
     for index, (case, photo) in enumerate(zip(cases, read)):
         size = read_table(case / "regions.json").size
         seed = FIRST_SEED + 100 * index
         found, files = render_basis(renderer, case, lamp, size, seed, output)
+        if photo is not None:
+            photo = undistorted(photo, Layout(case / "layout.json").camera)
+            refuse_unless_registered(register(case, photo, found[0]), photo, False)
         sides.append(prepare(case, photo, found, files, sides[0].scale if sides else None))
         renders += found
     fitted, predicted = sides
@@ -220,11 +234,24 @@ def predict(plan_file, renderer, photos, output):
         "headline": plan["unknowns"].index(plan["headline"]),
         "lamp_seen_to_deg": round(seen_to_deg(cases[0], lamp), 1) if lamp else None,
     }
+    report["apart"] = apart(fitted, predicted)
+    report["warnings"] = list(filter(None, (encoding_warning(photo.file, photo.encoding) for photo in read if photo is not None)))
     for entry in report["sets"]:
         if "lamp" in entry:
             entry["lamp"] |= tabulated(lamp, entry.pop("weights"), report["lamp_seen_to_deg"])
     report["statements"] = statements(report)
     return report, sides, outcomes, lamp
+
+
+def apart(fitted, predicted):
+    """How much the photographs themselves differ over the pixels that both score; None without them, or of other sizes."""
+    if fitted.picture is None or predicted.picture is None or fitted.picture.shape != predicted.picture.shape:
+        return None
+    both = fitted.inside & predicted.inside
+    if not both.any():
+        return None
+    first, second = fitted.picture[both], predicted.picture[both]
+    return {"nrmse": round(nrmse(first, second), 4), "factor": round(float((first * second).sum() / (first * first).sum()), 4)}
 
 
 def row(outcome, lamp):
@@ -268,6 +295,11 @@ def statements(report):
         f"{100 * best['predicted_nrmse']:.1f} % (95 %: {100 * low:.1f} to {100 * high:.1f} %) over {report['scored']}; nothing was fitted on it."
     ]
     said.append(f"The exposure fitted on the one suits the other within {abs(best['scale_left_stops']):.3f} stops.")
+    if report["apart"]:
+        said.append(
+            f"The two photographs themselves differ by an nRMSE of {100 * report['apart']['nrmse']:.1f} % and a factor of {report['apart']['factor']:.3f} where both are scored"
+            + ("; they show nearly the same, so what was fitted on the one tests little on the other." if report["apart"]["nrmse"] < ALIKE else ".")
+        )
     impossible = [entry["title"] for entry in rows if "lamp" in entry and not entry["lamp"]["possible"]]
     if impossible:
         said.append("The fitted lamp profile is negative somewhere, which no lamp is, with: " + "; ".join(impossible) + ".")

@@ -46,7 +46,7 @@ def pictures(report, predicted, outcomes):
         return None
     found = {"photo": data_uri(display(predicted.picture)), "predictions": []}
     for index in dict.fromkeys((0, report["headline"])):
-        picture = outcomes[index].model.predict(predicted.basis_pictures)
+        picture = outcomes[index].model.predict(predicted.basis_pictures, predicted.mean)
         found["predictions"].append({
             "title": report["sets"][index]["title"], "nrmse": report["sets"][index]["predicted_nrmse"],
             "picture": data_uri(display(picture)), "difference": data_uri(difference(picture, predicted.picture, predicted.inside)),
@@ -56,7 +56,7 @@ def pictures(report, predicted, outcomes):
 
 def regions(predicted, outcome):
     """Mean over channels of photograph and prediction in each region."""
-    again = outcome.model.predict(predicted.region_basis).mean(axis=1)
+    again = outcome.model.predict(predicted.region_basis, predicted.mean).mean(axis=1)
     photo = predicted.region_photo.mean(axis=1)
     return [{"name": name, "photo": float(p), "predicted": float(q), "error": float((q - p) / photo.mean())} for name, p, q in zip(predicted.names, photo, again)]
 
@@ -65,7 +65,7 @@ def write_pages(folder, report, sides, outcomes, lamp):
     """report.html and the thumbnails into a folder."""
     folder, predicted = Path(folder), sides[1]
     best = outcomes[report["headline"]]
-    write_pair(folder, np.clip(best.model.predict(predicted.basis_pictures), 0, 1), predicted.picture)
+    write_pair(folder, np.clip(best.model.predict(predicted.basis_pictures, predicted.mean), 0, 1), predicted.picture)
     write_page(
         folder / "report.html", "cross.html.jinja", report=report, profile=profile_plot(report), images=pictures(report, predicted, outcomes),
         rows=regions(predicted, best), gradient=gradient("RdBu_r"), difference_range=DIFFERENCE_RANGE, today=today(),

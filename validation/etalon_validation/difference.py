@@ -61,4 +61,6 @@ def delta_e_itp(first, second):
     first, second = np.asarray(first, float), np.asarray(second, float)
     defined = (first[..., 1] > 0) & (second[..., 1] > 0)
     ictcp = [colour.XYZ_to_ICtCp(np.maximum(xyz, 0) * ITP_WHITE_CD_M2, method="ITU-R BT.2100-2 PQ") for xyz in (first, second)]
-    return np.where(defined, colour.delta_E(*ictcp, method="ITP"), np.nan)
+    # Draws of a wild uncertainty may overflow: an infinite distance is what they have.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.where(defined, colour.delta_E(*ictcp, method="ITP"), np.nan)

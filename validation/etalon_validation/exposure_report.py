@@ -1,6 +1,7 @@
 """The report of a picture that no photograph exists of: its exposure, its time, its noise."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +10,12 @@ from matplotlib import pyplot
 from . import __version__
 from .errors import InputError, meaning, read_json
 from .exposure import METER_K, PERCENTILES, developed, judge, metered_luminance, parts, relative_errors
+from .lens import model_field
 from .overlay import display
 from .page import svg, today, write_page
 from .photograph import srgb_to_linear
 from .registration import scene_camera
+from .render import check_scene
 from .report import data_uri, environment, finite
 from .thumbnails import write_thumbnail
 
@@ -25,8 +28,16 @@ LEAST_DRAWN = 1e-3
 ACCENT, WARN, LAMP = "#2563a8", "#a05a00", "#c9a227"
 
 
+def fallen_off(render, camera):
+    """The render as it falls on the sensor, with the vignetting that its record states."""
+    facts = render.record["camera"]
+    factors, _ = model_field(facts.get("vignetting"), facts, camera, render.file)
+    return render if factors is None else replace(render, xyz=render.xyz * factors, stderr=render.stderr * factors)
+
+
 def exposure_report(case, render, output, threads):
     """Writes report.json, report.html and the thumbnail; returns the report."""
+    check_scene(render, case)
     plan_file = Path(case) / "exposure.json"
     plan = read_json(plan_file, "a case that is judged by its exposure needs it")
     scene = read_json(Path(case) / "scene.json", "correct it")
@@ -34,6 +45,7 @@ def exposure_report(case, render, output, threads):
         camera = scene_camera(scene, scene["length_unit"], render.size)
         if camera is None:
             raise InputError(Path(case) / "scene.json", "has no camera", "add one")
+        render = fallen_off(render, camera)
         found = parts(camera, plan, scene, plan_file)
         published = dict(plan["published"])
         times = published_times(published, render.record)

@@ -37,7 +37,7 @@ def inside_box(case, size):
     layout = Layout(case / "layout.json")
     if tuple(layout.camera.size) != tuple(size):
         return None
-    camera, inside = layout.camera, np.zeros((size[1], size[0]), bool)
+    camera, inside = layout.camera.undistorted, np.zeros((size[1], size[0]), bool)
     for face in layout.faces.values():
         if ((face.quad - camera.position) @ camera.look > 0).all():
             inside |= mask(camera.project(face.quad), size)

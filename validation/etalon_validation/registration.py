@@ -47,6 +47,7 @@ def registration(case):
     if not all((case / name).is_file() for name in ("scene.json", "layout.json", "pose.json")):
         return None
     layout = Layout(case / "layout.json")
+    layout = layout.seen_by(layout.camera.undistorted)
     pose = read_json(case / "pose.json", "run fit-pose")
     length = next(key.removeprefix("position_") for key in pose if key.startswith("position_"))
     scene = read_json(case / "scene.json", "correct it")
@@ -166,7 +167,10 @@ def refuse_unless_registered(found, photograph, forced):
 
 
 def mark_failed(report):
-    """Writes over every level and region that the registration failed."""
+    """Writes over every level, region, finding and figure of the whole that the registration failed."""
+    report["registration_failed"] = True
+    report["calibration_error"]["registration_failed"] = True
+    report["findings"].insert(0, {"topic": "registration", "settled": False, "text": "The registration failed and was overruled: no figure of this report is to be believed."})
     for level in report["levels"].values():
         level["title"] += " (REGISTRATION FAILED)"
         level["registration_failed"] = True

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
-from .errors import InputError, need
+from .errors import InputError, need, read_json
 from .photograph import first_line, sha256_of
 
 REMEDY = "give an EXR written by etalon"
@@ -80,6 +80,16 @@ def read_render(path):
         if not np.isfinite(values).all():
             raise InputError(path, "holds values that are not finite", "render it again, with two samples per pixel or more: one has no standard error")
     return Render(xyz, stderr, sensor, read_record(spec, path), path.name, sha256_of(path))
+
+
+def check_scene(render, case):
+    """Refuses a render of another scene than that of the case folder, where both say which."""
+    file = Path(case) / "scene.json"
+    if not file.is_file():
+        return
+    expected, found = read_json(file, "correct it").get("name"), render.record.get("scene")
+    if expected is not None and found is not None and expected != found:
+        raise InputError(render.file, f'is a render of the scene "{found}", the case has "{expected}"', f"render {file}")
 
 
 def read_record(spec, path):

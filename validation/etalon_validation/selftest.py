@@ -77,7 +77,7 @@ def take_apart(bench, seed, sensor=Sensor(), fault=None):
         found = refine(bench.layout.seen_by(camera), bench.frame, len(values), Picked(bench.points, pixels), grey(photograph.rgb), made, bench.nominal, "self-test")
         camera = found.camera
     record = None if fault == "vignetting not corrected" else {"camera": {"vignetting": {"model": "cos4"}}}
-    photograph = corrected(photograph, camera, record)
+    photograph, camera = corrected(photograph, camera, record), camera.undistorted
     verdict = judge_photograph(bench.layout.seen_by(camera), grey(photograph.rgb), made, bench.nominal)
     gain = region_gains(bench, photograph, camera)
     stops = float(np.log2(gain[1]))

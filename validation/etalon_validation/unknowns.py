@@ -47,10 +47,9 @@ class Model:
     exponent: float
     parameters: int
 
-    def predict(self, basis):
-        """The photograph's values (..., 3) that basis pictures (k, ..., 3) stand for."""
-        light = np.tensordot(self.weights, basis, axes=1)
-        mean = light.reshape(-1, 3).mean(axis=0)
+    def predict(self, basis, mean):
+        """The photograph's values (..., 3) that basis pictures (k, ..., 3) stand for, their means over the picture (k, 3)."""
+        light, mean = (np.tensordot(self.weights, part, axes=1) for part in (basis, mean))
         seen = ((1 - self.glare) * light + self.glare * mean) @ self.matrix.T
         return np.sign(seen) * np.abs(seen) ** self.exponent
 
@@ -92,27 +91,27 @@ class Vector:
         return np.array(numbers), (np.array(low), np.array(high))
 
 
-def fit(unknowns, basis, photo, independent):
-    """The most probable model for values (n, 3), from basis values (k, n, 3).
+def fit(unknowns, basis, photo, independent, mean):
+    """The most probable model for values (n, 3), from basis values (k, n, 3) of pictures with these means (k, 3).
 
     `independent` is how many of the n values err by themselves: neighbours share what is wrong
     with the scene, and would outvote what is expected of the matrix by their number.
     """
     if "matrix" not in unknowns:
-        return least(unknowns, basis, photo, 0.0)
-    free = least(unknowns, basis, photo, 0.0)
+        return least(unknowns, basis, photo, mean, 0.0)
+    free = least(unknowns, basis, photo, mean, 0.0)
     freedom = max(3 * independent - free.parameters, 1)
-    deviation = np.sqrt(((free.predict(basis) - photo) ** 2).mean() * 3 * independent / freedom)
-    return least(unknowns, basis, photo, deviation / EXPECTED_MIXTURE * np.sqrt(len(photo) / independent))
+    deviation = np.sqrt(((free.predict(basis, mean) - photo) ** 2).mean() * 3 * independent / freedom)
+    return least(unknowns, basis, photo, mean, deviation / EXPECTED_MIXTURE * np.sqrt(len(photo) / independent))
 
 
-def least(unknowns, basis, photo, stiffness):
+def least(unknowns, basis, photo, mean, stiffness):
     """The model of least squares, entries off the matrix's diagonal weighted with `stiffness`."""
     vector = Vector(unknowns, len(basis))
 
     def residuals(numbers):
         model = vector.model(numbers)
-        misses = (model.predict(basis) - photo).ravel()
+        misses = (model.predict(basis, mean) - photo).ravel()
         if not stiffness:
             return misses
         # In units of the row's gain, as the ladder has it.

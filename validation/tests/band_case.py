@@ -56,7 +56,7 @@ def write_band_render(path, image):
     xyz = np.repeat(image[..., None], 3, axis=-1)
     names = ["X", "Y", "Z", "stderr.X", "stderr.Y", "stderr.Z"] + [f"sensor.B{nm}" for nm in NMS]
     data = np.concatenate([xyz, 0.01 * xyz, np.repeat(image[..., None], len(NMS), axis=-1)], axis=-1)
-    write_exr(path, data, names, [("etalon", json.dumps(record()))])
+    write_exr(path, data, names, [("etalon", json.dumps(record() | {"scene": "cornell-photo"}))])
 
 
 def write_band_images(folder, image, factors):

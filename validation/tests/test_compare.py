@@ -4,12 +4,14 @@ import json
 import tempfile
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 
 from etalon_validation.calibration import UNKNOWN_PLACE_PX, placement
-from etalon_validation.compare import per_pixel_shift, quantisation, shared_noise
+from etalon_validation.compare import per_pixel_shift, quantisation, shared_noise, shifts
 from etalon_validation.photograph import ASSUMED_SRGB, srgb_to_linear
+from etalon_validation.polygons import mask
 
 from .world import pixels
 
@@ -43,6 +45,18 @@ class Compare(unittest.TestCase):
         expected = np.array([[[0.3, 0.6, 0.0], [0.1, 0.2, 0.0]]])
         np.testing.assert_allclose(per_pixel_shift(ramp, [inside], (1, 1)), expected, atol=1e-12)
         np.testing.assert_allclose(per_pixel_shift(ramp, [inside], (2, 2)), 2 * expected, atol=1e-12)
+
+    def test_a_shift_is_as_large_from_the_table_as_from_a_photograph_that_looks_alike(self):
+        """In linear sRGB a saturated wall has a channel below zero: nothing may be divided by it."""
+        u, v = np.meshgrid(np.arange(30.0), np.arange(20.0))
+        ramp = np.stack([0.2 + 0.01 * u, 0.05 + 0.002 * v, -0.003 - 0.0001 * u], axis=-1)
+        corners = np.array([[4.0, 4.0], [24.0, 4.0], [24.0, 16.0], [4.0, 16.0]])
+        region, table = SimpleNamespace(polygon=corners), SimpleNamespace(size=(30, 20))
+        inside = mask(corners, table.size)
+        photo = 0.25 * ramp[inside].mean(axis=0)[None]
+        from_table, _ = shifts(table, [region], [inside], ramp, photo, None)
+        from_photo, _ = shifts(table, [region], [inside], ramp, photo, SimpleNamespace(rgb=0.25 * ramp))
+        np.testing.assert_allclose(from_table, from_photo, rtol=1e-9)
 
     def test_rounding_leaves_a_code_over_root_twelve_and_less_where_noise_dithers(self):
         photo, pixels_in = np.array([[srgb_to_linear(100 / 255)] * 3]), np.array([900])

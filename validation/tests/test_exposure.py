@@ -37,7 +37,7 @@ def render_of(luminance, relative_error=0.02):
     """A neutral render of a luminance picture in cd/m2."""
     xyz = luminance[..., None] * WHITE
     camera = CAMERA | {"saturation_luminance_cd_m2": SATURATION, "white_luminance_cd_m2": SATURATION}
-    record = {"scene": "box", "camera": camera, "samples_per_pixel": 16, "seconds": 10.0, "cpu_seconds": 20.0, "version": "0", "integrator": "bdpt", "seed": 0, "relative_error": 0.03}
+    record = {"scene": "schoedl-2007", "camera": camera, "samples_per_pixel": 16, "seconds": 10.0, "cpu_seconds": 20.0, "version": "0", "integrator": "bdpt", "seed": 0, "relative_error": 0.03}
     return Render(xyz, relative_error * xyz, None, record, "out.exr", "0" * 64)
 
 
