@@ -474,7 +474,7 @@ fn what_cannot_be_developed_is_refused_in_one_line() {
             "list.json",
             "a list where an object with \"to\" and \"rows\" belongs",
         ),
-        ("scene.exr --matrix word.json", "word.json:1:31", "string \"one\" where a number belongs"),
+        ("scene.exr --matrix word.json", "word.json:1:30", "string \"one\" where a number belongs"),
         ("scene.exr --matrix number.json", "number.json:1:1", "where an object with"),
         ("scene.exr --matrix large.json", "large.json", "-1.1e6 is no entry of a colour matrix"),
         ("scene.exr --noise --without electrons", "scene.exr", "no stage that makes it is on"),
