@@ -337,3 +337,28 @@ fn extremes_are_warned_of() {
         assert!(said.len() == 1 && said[0].contains(word), "{said:?}");
     }
 }
+
+/// A well that is full two stops below white is warned of with that figure, one that is full
+/// above white is not, and the picture of white is as dark as the warning says.
+#[test]
+fn wells_that_are_full_below_white_are_warned_of() {
+    let of = |electronics: Value| {
+        let camera = json!({ "electronics": electronics, "white_balance": "d65", "development": { "tone": "linear" } });
+        scene(&ball(1.0, &d65(), &camera))
+    };
+    let well = |electrons: f64| json!({ "quantum_efficiency": 0.5, "pixel_pitch_um": [4, 4], "full_well_electrons": electrons });
+    let record = of(well(1.0)).view().expect("a camera").record();
+    let brightest = record.white.channels.iter().fold(0.0, |a: f64, b| a.max(*b));
+    let per_value = record.counter().expect("electronics").electrons_per_value;
+    let at_white = record.white_luminance_cd_m2 * brightest * per_value;
+    let (record, planes) = even(&of(well(at_white / 4.0)), record.white_luminance_cd_m2);
+    assert!(record.warnings.len() == 1 && record.warnings[0].contains("2.0 stops"), "{:?}", record.warnings);
+    let level = Darkroom::new(&record, &planes).expect("all channels").linear(0)[1];
+    assert!((level - 0.25).abs() < 1e-4, "{level}");
+    let (record, _) = even(&of(well(at_white * 1.1)), 1.0);
+    assert_eq!(record.warnings, Vec::<String>::new());
+    let (record, _) = even(&of(json!({ "quantum_efficiency": 0.5 })), 1.0);
+    // 36 mm over 12 pixels.
+    let said = &record.warnings;
+    assert!(said.len() == 1 && said[0].contains("3000.000 x 3000.000 um follow from sensor_mm"), "{said:?}");
+}

@@ -326,6 +326,20 @@ fn wrong_arguments_are_named_with_what_belongs_there() {
         fail_in_one_line(["validate", "cornel"]),
         "error: unknown case \"cornel\"; did you mean \"cornell\"?"
     );
+    for words in [
+        "--seed 3",
+        "--integrator bdpt",
+        "--photos .",
+        "--bands .",
+        "--bands . --points points.csv",
+        "--photo photo.png",
+        "--force-registration",
+        "--time 5",
+    ] {
+        let message = fail_in_one_line(["validate", "self-test"].into_iter().chain(words.split(' ')));
+        let option = words.split(' ').next().expect("an option");
+        assert!(message.contains(&format!("the self-test does not take {option};")), "{message}");
+    }
 }
 
 #[test]

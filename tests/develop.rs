@@ -358,6 +358,32 @@ fn the_chain_is_listed_everywhere() {
     }
 }
 
+/// Without a matrix a sensor's electronics are in the raw values alone, and every list says so.
+#[test]
+fn electronics_beside_the_picture_are_listed_as_off() {
+    let folder = folder("beside");
+    write_scene(&folder, "scene", &json!({ "sensor": "nikon-5100", "noise": {} }));
+    let warning = "noise is in the raw values only";
+    let rendering = etalon(&folder, "render scene.json -o scene.exr --spp 1");
+    assert!(text(&rendering.stderr).contains(warning), "{}", text(&rendering.stderr));
+    let check = succeed(&folder, "check scene.json");
+    let developing = etalon(&folder, "develop scene.exr -o plain.png");
+    assert!(text(&developing.stderr).contains(warning), "{}", text(&developing.stderr));
+    let developed = text(&developing.stdout);
+    for name in ["electrons", "full_well", "dark_current", "shot_noise", "read_noise", "digital_values"] {
+        assert!(check.contains(&format!("stage      {name}: off, raw values only: ")), "{check}");
+        assert!(developed.contains(&format!("{name:<18} off  raw values only: ")), "{developed}");
+    }
+    assert!(check.contains("stage      matrix: off, none is given"), "{check}");
+    // They are off indeed: the picture without them is the same.
+    let off = succeed(&folder, "develop scene.exr -o off.png --without electrons");
+    assert!(off.contains("no electronics are stated"), "{off}");
+    let pixels = |name: &str| image::open(folder.join(name)).expect("a picture").into_rgb8();
+    assert_eq!(pixels("plain.png"), pixels("off.png"));
+    let shown = succeed(&folder, "develop scene.exr -o fitted.png --matrix fitted --white-balance d65");
+    assert!(shown.contains("shot_noise         on ") && shown.contains("matrix             on "), "{shown}");
+}
+
 #[test]
 fn a_new_f_stop_leaves_the_depth_of_field_and_says_so() {
     let folder = folder("depth");
@@ -414,6 +440,16 @@ fn what_cannot_be_developed_is_refused_in_one_line() {
     std::fs::write(folder.join("matrix.json"), "{\"to\": \"srgb\",\n \"rows\": [[1, 0], [0, 1], [0, 0]]}")
         .expect("written");
     std::fs::write(folder.join("broken.json"), "{\"to\": \"srgb\",\n \"rows\": [[1, 0]").expect("written");
+    let rows =
+        |first: &str| format!("{{\"to\": \"srgb\", \"rows\": [[{first}, 0, 0], [0, 1, 0], [0, 0, 1]]}}");
+    for (name, text) in [
+        ("list.json", "[]".to_owned()),
+        ("word.json", rows("\"one\"")),
+        ("number.json", "3".to_owned()),
+        ("large.json", rows("-1.1e6")),
+    ] {
+        std::fs::write(folder.join(name), text).expect("written");
+    }
     for (words, file, said) in [
         ("nowhere.exr", "nowhere.exr", "cannot read the render"),
         ("scene.png", "scene.png", "cannot be decoded"),
@@ -433,6 +469,22 @@ fn what_cannot_be_developed_is_refused_in_one_line() {
         ("scene.exr --matrix broken.json", "broken.json:2:16", "EOF"),
         ("nikon.exr --matrix fitted", "nikon.exr", "a matrix is fitted to a white"),
         ("bands.exr --matrix fitted --white-balance d65", "bands.exr", "and the sensor has 2"),
+        (
+            "scene.exr --matrix list.json",
+            "list.json",
+            "a list where an object with \"to\" and \"rows\" belongs",
+        ),
+        ("scene.exr --matrix word.json", "word.json:1:30", "string \"one\" where a number belongs"),
+        ("scene.exr --matrix number.json", "number.json:1:1", "where an object with"),
+        ("scene.exr --matrix large.json", "large.json", "-1.1e6 is no entry of a colour matrix"),
+        ("scene.exr --noise --without electrons", "scene.exr", "no stage that makes it is on"),
+        (
+            "scene.exr --noise --without shot_noise --without read_noise",
+            "scene.exr",
+            "no stage that makes it is on",
+        ),
+        ("scene.exr --white-balance cornell-white", "", "is no light, it is of the kind reflectance"),
+        ("scene.exr --white-balance cornell-filter-550", "", "is no light, it is of the kind transmission"),
         ("scene.exr --matrix none.json", "none.json", "cannot read the matrix"),
         ("scene.exr --white-balance d66", "", "unknown spectrum \"d66\""),
     ] {
@@ -445,6 +497,8 @@ fn what_cannot_be_developed_is_refused_in_one_line() {
         ("-o nowhere/out.png", "the folder of the output does not exist"),
         ("-o scene.exr", "the picture would replace the render"),
         ("-o out.exr --tone srgb", "an EXR holds linear values"),
+        ("-o out.tiff --raw out.tiff", "would be the same file"),
+        ("-o out.tiff --raw ./out.tiff", "would be the same file"),
         ("-o out.png --raw raw.png", "digital values are written as a TIFF"),
     ] {
         let line = fail_in_one_line(&folder, &format!("develop scene.exr {words}"));

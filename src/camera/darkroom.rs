@@ -88,11 +88,9 @@ impl<'a> Darkroom<'a> {
             }),
         };
         let counter = record.counter();
-        let highlights = counter.as_ref().and_then(Counter::full_value).map(|full| {
-            let white = &record.white.channels;
-            let brightest = white.iter().fold(0.0, |a: f64, b| a.max(*b));
-            white.iter().map(|held| full * held / brightest).collect()
-        });
+        let highlights = record
+            .full_luminance_cd_m2()
+            .map(|full| record.white.channels.iter().map(|held| full * held).collect());
         Ok(Self {
             highlights,
             shown,

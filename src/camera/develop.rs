@@ -82,6 +82,8 @@ impl MatrixTarget {
 impl Matrix {
     /// Refuses a matrix that does not fit a sensor of so many channels.
     pub fn check(&self, channels: usize) -> Result<()> {
+        /// Far beyond what any sensor's channels need, and within what colours can be computed of.
+        const LARGEST: f64 = 1e6;
         if self.rows.len() != 3 {
             return Err(Error::new(format!("a matrix of {} rows", self.rows.len()))
                 .hint("give three rows, for X, Y, Z or R, G, B")
@@ -94,8 +96,11 @@ impl Matrix {
                     .under(index)
                     .under("rows"));
             }
-            if row.iter().any(|number| !number.is_finite()) {
-                return Err(Error::new("a number that is not finite").under(index).under("rows"));
+            if let Some(number) = row.iter().find(|n| !n.is_finite() || n.abs() > LARGEST) {
+                return Err(Error::new(format!("{number:e} is no entry of a colour matrix"))
+                    .hint(format!("give numbers between -{LARGEST:e} and {LARGEST:e}"))
+                    .under(index)
+                    .under("rows"));
             }
         }
         Ok(())

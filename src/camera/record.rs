@@ -242,6 +242,14 @@ impl CameraRecord {
         stated.unwrap_or(self.optics.pixel_pitch_um)
     }
 
+    /// Luminance of the white at which the first channel is full on the axis; `None` where none
+    /// ever is, and without electronics. The dark current alone fills a pixel where it is not
+    /// positive.
+    pub fn full_luminance_cd_m2(&self) -> Option<f64> {
+        let brightest = self.white.channels.iter().fold(0.0, |a: f64, b| a.max(*b));
+        Some(self.counter()?.full_value()? / brightest)
+    }
+
     /// What counts electrons at these settings; `None` without electronics.
     ///
     /// Electrons = A (t q / N^2) v x photons per joule x quantum efficiency x what the channel

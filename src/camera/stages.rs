@@ -83,7 +83,7 @@ pub(super) fn stages(record: &CameraRecord) -> Vec<Stage> {
         None if shows_recorded(record) => "X, Y, Z to linear sRGB".to_owned(),
         None => "none is given for the sensor's channels: the picture is made of X, Y, Z".to_owned(),
     };
-    stages.push(stage("matrix", true, matrix));
+    stages.push(stage("matrix", shows_recorded(record), matrix));
     stages.push(stage("tone", record.tone != Tone::Linear, tone(record)));
     stages
 }
@@ -160,7 +160,12 @@ fn electronics(record: &CameraRecord) -> Vec<Stage> {
         ),
         converter(electronics.digital.as_ref(), record.iso),
     ];
-    NAMES.into_iter().zip(whats).map(|(name, (on, what))| Stage { name, on, what }).collect()
+    let shown = shows_recorded(record);
+    let stage = |(name, (on, what)): (_, (bool, String))| match (on, shown) {
+        (true, false) => Stage { name, on: false, what: format!("raw values only: {what}") },
+        _ => Stage { name, on, what },
+    };
+    NAMES.into_iter().zip(whats).map(stage).collect()
 }
 
 fn converter(digital: Option<&Digital>, iso: f64) -> (bool, String) {
@@ -223,5 +228,38 @@ pub(super) fn warnings(record: &CameraRecord) -> Vec<String> {
             if dark { "reciprocity failure of film is" } else { "reciprocity failure and dark current are" };
         warnings.push(format!("an exposure of {} s: {what} not modelled", record.shutter_s));
     }
+    warnings.extend(sensor_warnings(record));
     warnings
+}
+
+/// What of the electronics is not in the picture, or spoils it.
+fn sensor_warnings(record: &CameraRecord) -> impl Iterator<Item = String> {
+    let unseen_noise = (record.noise.is_some() && !shows_recorded(record)).then(|| {
+        "noise is in the raw values only: without a matrix the picture is made of X, Y, Z".to_owned()
+    });
+    [unseen_noise, derived_pitch(record), full_too_early(record)].into_iter().flatten()
+}
+
+fn derived_pitch(record: &CameraRecord) -> Option<String> {
+    record.electronics.as_ref().filter(|electronics| electronics.pixel_pitch_um.is_none())?;
+    let [width, height] = record.light_sensitive_um();
+    Some(format!(
+        "no pixel_pitch_um is stated: pixels of {width:.3} x {height:.3} um follow from sensor_mm and resolution, and electrons change with the resolution"
+    ))
+}
+
+fn full_too_early(record: &CameraRecord) -> Option<String> {
+    /// What one decimal of a stop does not show.
+    const UNSEEN_STOPS: f64 = 0.05;
+    let full_cd_m2 = record.full_luminance_cd_m2().filter(|_| shows_recorded(record))?;
+    let white_cd_m2 = record.white_luminance_cd_m2;
+    if full_cd_m2 <= 0.0 {
+        return Some("the dark current alone fills a pixel: the picture is black".to_owned());
+    }
+    let stops = (white_cd_m2 / full_cd_m2).log2();
+    (stops > UNSEEN_STOPS).then(|| {
+        format!(
+            "a pixel is full at {full_cd_m2:.6} cd/m2, {stops:.1} stops below the white of {white_cd_m2:.6} cd/m2: nothing in the picture is brighter than that"
+        )
+    })
 }

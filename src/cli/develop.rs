@@ -67,6 +67,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
             in_file(Error::new("the picture would replace the render").hint("choose another name")).into()
         );
     }
+    if let Some(raw) = arguments.raw.as_deref().filter(|raw| same_file(&arguments.output, raw)) {
+        return Err(Error::new("the picture and the digital values would be the same file")
+            .hint("choose another name for one of them")
+            .in_file(raw)
+            .into());
+    }
     let mut camera = settings(arguments, &rendered)?;
     if arguments.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
         if arguments.tone.is_some_and(|tone| tone != Tone::Linear) {
@@ -115,6 +121,11 @@ fn settings(arguments: &Arguments, rendered: &Rendered) -> Result<CameraRecord> 
     for stage in &arguments.without {
         camera = camera.without(stage).expect("the stages are those of SWITCHES");
     }
+    if (arguments.noise || arguments.seed.is_some()) && !makes_noise(&camera) {
+        return Err(in_render(Error::new("noise is asked for, and no stage that makes it is on").hint(
+            "leave out --noise and --seed, or what --without says of electrons, shot_noise and read_noise",
+        )));
+    }
     let camera = camera.settled();
     // Far beyond any camera, and well within what the files' numbers hold.
     if (1e-30..1e30).contains(&camera.white_luminance_cd_m2) {
@@ -140,6 +151,11 @@ fn noise(arguments: &Arguments, camera: &CameraRecord) -> Result<Noise> {
         shot: before.shot || all,
         read: before.read || all,
     })
+}
+
+fn makes_noise(camera: &CameraRecord) -> bool {
+    let stated = camera.noise.zip(camera.electronics.as_ref());
+    stated.is_some_and(|(noise, sensor)| noise.shot || noise.read && sensor.read_noise_electrons > 0.0)
 }
 
 /// Sets the light that becomes white, and gives it back.
@@ -181,19 +197,45 @@ fn set_matrix(
 }
 
 fn read_matrix(file: &Path) -> Result<Matrix> {
+    const EXAMPLE: &str = "for example {\"to\": \"srgb\", \"rows\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}";
     let text = std::fs::read_to_string(file).map_err(|e| Error::io(file, "read the matrix", &e))?;
+    // A list of the fields' values would pass for an object of them.
+    if text.trim_start().starts_with('[') {
+        let list = Error::new("a list where an object with \"to\" and \"rows\" belongs");
+        return Err(list.hint(EXAMPLE).in_file(file));
+    }
     serde_json::from_str(&text).map_err(|e| {
-        let what = e.to_string();
-        let what = what.split(" at line").next().unwrap_or_default().to_owned();
-        Error::new(what)
-            .hint("for example {\"to\": \"srgb\", \"rows\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}")
-            .at(e.line(), Some(e.column()))
-            .in_file(file)
+        Error::new(in_plain_words(&e)).hint(EXAMPLE).at(e.line(), Some(e.column())).in_file(file)
     })
 }
 
+/// What is wrong with a matrix, without the names that the program has for types.
+fn in_plain_words(fault: &serde_json::Error) -> String {
+    let whole = fault.to_string();
+    let what = whole.split(" at line").next().unwrap_or_default();
+    let Some((found, expected)) =
+        what.strip_prefix("invalid type: ").and_then(|what| what.split_once(", expected "))
+    else {
+        return what.to_owned();
+    };
+    let belongs = match expected {
+        "f64" => "a number",
+        "a sequence" => "a list",
+        "struct Matrix" => "an object with \"to\" and \"rows\"",
+        _ => "\"srgb\" or \"xyz\"",
+    };
+    format!("{found} where {belongs} belongs")
+}
+
+/// Whether two names are of the same file, which need not be there yet.
 fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+    let place = |file: &Path| {
+        file.canonicalize().ok().or_else(|| {
+            let whole = std::path::absolute(file).ok()?;
+            Some(whole.parent()?.canonicalize().ok()?.join(whole.file_name()?))
+        })
+    };
+    matches!((place(a), place(b)), (Some(a), Some(b)) if a == b)
 }
 
 /// The chain, and what of it the render has decided already.

@@ -181,6 +181,11 @@ pub fn equal_energy() -> LampSpectrum {
 
 /// A built-in light by name, with its tristimulus values.
 pub fn white_named(name: &str) -> Result<(LampSpectrum, Xyz)> {
+    const LIGHTS: [&str; 3] = ["illuminant", "emission", "line"];
+    if let Some(entry) = library::entries().find(|e| e.name == name && !LIGHTS.contains(&e.kind)) {
+        return Err(Error::new(format!("\"{name}\" is no light, it is of the kind {}", entry.kind))
+            .hint("name an illuminant, such as \"d65\""));
+    }
     let none = BTreeMap::new();
     let light = Spectra::new(Path::new("."), &none).emission(&SpectrumFile::Name(name.to_owned()))?;
     let xyz = visible(&light)?;

@@ -45,8 +45,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if arguments.case == self_test::NAME {
-        let photo = arguments.photo.first().map(std::path::Path::new);
-        return self_test::run(photo, arguments.output.as_deref(), &arguments.effort);
+        return self_test::run(arguments);
     }
     if arguments.case == "all" {
         return all::run(arguments);

@@ -1,10 +1,9 @@
 //! `etalon validate self-test`: the harness takes a synthetic photograph apart, whose answer is known.
 
-use crate::cli::arguments::Effort;
+use super::Arguments;
 use etalon::error::Error;
 use etalon::python::{Environment, VALIDATION, project_root};
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// The name among the cases.
@@ -14,9 +13,16 @@ pub const NAME: &str = "self-test";
 ///
 /// # Errors
 /// Where an option has no meaning here, and where the self-test fails.
-pub fn run(photo: Option<&Path>, output: Option<&Path>, effort: &Effort) -> anyhow::Result<ExitCode> {
+pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    let effort = &arguments.effort;
     let idle = [
-        (photo.is_some(), "--photo"),
+        (!arguments.photo.is_empty(), "--photo"),
+        (arguments.photos.is_some(), "--photos"),
+        (arguments.bands.is_some(), "--bands"),
+        (arguments.points.is_some(), "--points"),
+        (arguments.force_registration, "--force-registration"),
+        (effort.seed != 0, "--seed"),
+        (effort.integrator.is_some(), "--integrator"),
         (effort.time.is_some(), "--time"),
         (effort.threads.is_some(), "--threads"),
         (effort.resolution.is_some(), "--resolution"),
@@ -28,7 +34,7 @@ pub fn run(photo: Option<&Path>, output: Option<&Path>, effort: &Effort) -> anyh
     }
     let program = std::env::current_exe()?;
     let case = project_root()?.join("reference").join("cornell-photo");
-    let output = output.map_or_else(|| PathBuf::from("out/validate-self-test"), Path::to_path_buf);
+    let output = arguments.folder();
     let spp = effort.spp.map(|spp| spp.to_string());
     let mut words: Vec<&OsStr> = vec![
         "--program".as_ref(),
