@@ -30,7 +30,7 @@ from .render import read_render
 from .synthetic import Sensor, photographed
 
 CASE = Path("reference/cornell-photo")
-SPP = 128
+SPP = 256
 # Seeds of picking and sensor noise.
 SEEDS = 8
 # Where the photograph's camera stands off: turns in degrees, and steps right, up and ahead in thousandths of its distance.
