@@ -1,0 +1,6 @@
+//! Rough boundaries from polished to fully rough.
+
+use crate::case::Case;
+use crate::cases;
+
+pub const CASES: &[Case] = cases![];
