@@ -1,6 +1,8 @@
-//! Lists the tables of `spectra/` for the program to carry.
+//! Lists the tables of `spectra/` for the program to carry, and hashes what it is built from: a
+//! checkpoint is gone on with by the same program alone.
 
 use std::fmt::Write as _;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
@@ -8,6 +10,12 @@ fn main() {
     let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR").expect("cargo sets it"));
     let spectra = root.join("spectra");
     println!("cargo::rerun-if-changed={}", spectra.display());
+    let mut hash = DefaultHasher::new();
+    for part in ["Cargo.lock", "src", "spectra"] {
+        println!("cargo::rerun-if-changed={}", root.join(part).display());
+        hash_all(&root.join(part), &mut hash);
+    }
+    println!("cargo::rustc-env=ETALON_SOURCES={:016x}", hash.finish());
     let mut list = String::from("static BUILT_IN: &[(&str, &str, &str)] = &[\n");
     for folder in sorted(&spectra).iter().filter(|p| p.is_dir()) {
         println!("cargo::rerun-if-changed={}", folder.display());
@@ -20,6 +28,15 @@ fn main() {
     list.push_str("];\n");
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets it")).join("spectra.rs");
     fs::write(out, list).expect("the build folder can be written");
+}
+
+/// Adds a file, or all files below a folder, by name and content.
+fn hash_all(path: &Path, hash: &mut DefaultHasher) {
+    if path.is_dir() {
+        sorted(path).iter().for_each(|path| hash_all(path, hash));
+    } else if let Ok(content) = fs::read(path) {
+        (path.file_name(), content).hash(hash);
+    }
 }
 
 fn sorted(folder: &Path) -> Vec<PathBuf> {

@@ -40,7 +40,7 @@ fn d65() -> Value {
 fn rendered(scene: &Scene, samples_per_pixel: u64) -> (CameraRecord, Planes) {
     let view = scene.view().expect("a camera");
     let plan = Plan::of(scene, &view.sensor, Integrator::Path.strategies());
-    let budget = Budget { samples_per_pixel, time: None, seed: 1 };
+    let budget = Budget { samples_per_pixel, time: None, error: None, seed: 1 };
     let film = render(scene, view, &plan, &budget, &Silent).film;
     (view.record(), planes(&film, &view.sensor, &view.flat_field()))
 }

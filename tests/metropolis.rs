@@ -24,7 +24,7 @@ fn runs(scene: &Scene, integrator: Integrator, samples_per_pixel: u64) -> Vec<Ve
     let plan = Plan::of(scene, &view.sensor, integrator.strategies());
     let run = |run: u64| {
         let seed = run + 1000 * (1 + integrator as u64) + 10_000 * fresh();
-        let budget = Budget { samples_per_pixel, time: None, seed };
+        let budget = Budget { samples_per_pixel, time: None, error: None, seed };
         let film = integrator.render(scene, view, &plan, &budget, &Silent).film;
         (0..film.pixels()).map(|pixel| film.mean(pixel, LUMINANCE)).collect()
     };
@@ -171,7 +171,7 @@ fn few_samples_of_rare_light_have_a_level() {
 fn rendering(scene: &Scene, samples_per_pixel: u64, seed: u64) -> Rendering {
     let view = scene.view().expect("a camera");
     let plan = Plan::of(scene, &view.sensor, Integrator::Mlt.strategies());
-    let budget = Budget { samples_per_pixel, time: None, seed };
+    let budget = Budget { samples_per_pixel, time: None, error: None, seed };
     Integrator::Mlt.render(scene, view, &plan, &budget, &Silent)
 }
 

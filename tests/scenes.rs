@@ -22,7 +22,7 @@ fn path_traced(json: &Value, samples_per_pixel: u64) -> Film {
 fn rendered(scene: &Scene, integrator: Integrator, samples_per_pixel: u64) -> Film {
     let view = scene.view().expect("a camera");
     let plan = Plan::of(scene, &view.sensor, integrator.strategies());
-    let budget = Budget { samples_per_pixel, time: None, seed: 1 };
+    let budget = Budget { samples_per_pixel, time: None, error: None, seed: 1 };
     render(scene, view, &plan, &budget, &Silent).film
 }
 

@@ -4,8 +4,10 @@
 //! about the error of their mean; different blocks are drawn independently, and the scatter
 //! of block sums gives an unbiased variance.
 
+use serde::{Deserialize, Serialize};
+
 /// Sums over the blocks of one channel of one pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BlockStatistics {
     /// Sum of all samples.
     pub sum: f64,
@@ -33,7 +35,7 @@ impl BlockStatistics {
 }
 
 /// A picture being gathered.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Film {
     resolution: [u32; 2],
     channels: usize,
@@ -77,6 +79,20 @@ impl Film {
     /// Samples taken in every pixel so far.
     pub const fn samples_per_pixel(&self) -> u64 {
         self.samples_per_pixel
+    }
+
+    /// Blocks taken in every pixel so far.
+    pub const fn blocks(&self) -> u32 {
+        self.blocks
+    }
+
+    /// Whether it is a film of this size, all of it: one from a file may be anything.
+    pub(crate) fn fits(&self, resolution: [u32; 2], channels: usize) -> bool {
+        let values = resolution[0] as usize * resolution[1] as usize * channels;
+        self.resolution == resolution
+            && self.channels == channels
+            && self.statistics.len() == values
+            && self.block.as_ref().is_none_or(|block| block.len() == values)
     }
 
     /// Adds the sums of a row's own samples, `count` in each pixel, channel by channel.
@@ -131,17 +147,39 @@ impl Film {
     #[must_use]
     pub fn map(&self, change: impl Fn(usize, usize, f64, f64) -> (f64, f64)) -> Self {
         let mut film = self.clone();
-        film.block = None;
+        film.set(|pixel, channel| {
+            change(pixel, channel, self.mean(pixel, channel), self.standard_error(pixel, channel))
+        });
+        film
+    }
+
+    /// Sets means and standard errors for the samples and blocks that are noted.
+    fn set(&mut self, value: impl Fn(usize, usize) -> (f64, f64)) {
+        self.block = None;
         let n = self.samples_per_pixel as f64;
-        for (index, statistic) in film.statistics.iter_mut().enumerate() {
-            let (pixel, channel) = (index / self.channels, index % self.channels);
-            let mean = self.mean(pixel, channel);
-            let (mean, error) = change(pixel, channel, mean, self.standard_error(pixel, channel));
+        for (index, statistic) in self.statistics.iter_mut().enumerate() {
+            let (mean, error) = value(index / self.channels, index % self.channels);
             let scatter = error * error * n * f64::from(self.blocks.saturating_sub(1));
             let sum = mean * n;
             *statistic = BlockStatistics { sum, square: sum * sum / n + scatter };
         }
-        film
+    }
+
+    /// The mean of two pictures that share no random numbers, each of weight one half whatever
+    /// its samples.
+    #[must_use]
+    pub fn mean_with(&self, other: &Self) -> Self {
+        let mut both = self.clone();
+        both.samples_per_pixel += other.samples_per_pixel;
+        // Two means are estimated from the blocks, not one.
+        both.blocks = (self.blocks + other.blocks).saturating_sub(1);
+        both.non_finite_samples += other.non_finite_samples;
+        both.set(|pixel, channel| {
+            let mean = 0.5 * (self.mean(pixel, channel) + other.mean(pixel, channel));
+            let errors = [self, other].map(|film| film.standard_error(pixel, channel));
+            (mean, 0.5 * errors[0].hypot(errors[1]))
+        });
+        both
     }
 
     /// Number of pixels.

@@ -9,10 +9,13 @@ use std::time::Duration;
 /// How much to render, and with what.
 #[derive(Clone, Debug, Args)]
 pub struct Effort {
-    /// Samples per pixel
+    /// Samples per pixel; at most so many, with --error
     #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     pub spp: Option<u64>,
-    /// Render for about this many seconds
+    /// Render until the picture's relative error is about this, as 0.01 or 1%, unbiased
+    #[arg(long, value_name = "E", value_parser = error)]
+    pub error: Option<f64>,
+    /// Render for about this many seconds, unbiased
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time: Option<Duration>,
     /// Seed of the random numbers; the same seed gives the same bits on any number of threads
@@ -30,14 +33,11 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// When to stop; `default_spp` where neither samples nor time are given.
+    /// When to stop; `default_spp` where neither samples nor error nor time are given.
     pub fn budget(&self, default_spp: u64) -> Budget {
-        let samples_per_pixel = match (self.spp, self.time) {
-            (Some(spp), _) => spp,
-            (None, Some(_)) => u64::MAX,
-            (None, None) => default_spp,
-        };
-        Budget { samples_per_pixel, time: self.time, seed: self.seed }
+        let is_open = self.time.is_some() || self.error.is_some();
+        let samples_per_pixel = self.spp.unwrap_or(if is_open { u64::MAX } else { default_spp });
+        Budget { samples_per_pixel, time: self.time, error: self.error, seed: self.seed }
     }
 
     /// The algorithm that is asked for, or path tracing.
@@ -47,9 +47,10 @@ impl Effort {
 
     /// The same effort as words of a command line.
     pub fn words(&self) -> Vec<String> {
-        let Self { spp, time, seed, threads, resolution, integrator } = self;
+        let Self { spp, error, time, seed, threads, resolution, integrator } = self;
         let given = [
             ("--spp", spp.map(|spp| spp.to_string())),
+            ("--error", error.map(|error| error.to_string())),
             ("--time", time.map(|time| time.as_secs_f64().to_string())),
             ("--seed", Some(seed.to_string())),
             ("--threads", threads.map(|threads| threads.to_string())),
@@ -82,6 +83,14 @@ fn seconds(text: &str) -> Result<Duration, String> {
     time.ok_or_else(|| "give a positive number of seconds, such as 60".to_owned())
 }
 
+/// A relative error, as a share of one or in per cent.
+fn error(text: &str) -> Result<f64, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
+    let share = number.trim_end().parse::<f64>().map(|value| value / unit).ok();
+    let share = share.filter(|share| *share > 0.0 && *share < 1.0);
+    share.ok_or_else(|| "give a share between 0 and 1, such as 0.01 or 1%".to_owned())
+}
+
 fn resolution(text: &str) -> Result<[u32; 2], String> {
     let explain = || "give width and height as in 640x480".to_owned();
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(explain)?;
@@ -106,10 +115,20 @@ mod tests {
     }
 
     #[test]
+    fn an_error_is_a_share_or_per_cent() {
+        assert_eq!([error("1%"), error("0.01"), error("2.5 %")], [Ok(0.01), Ok(0.01), Ok(0.025)]);
+        for wrong in ["0", "-1%", "100%", "1", "nan", "%", "1 percent"] {
+            assert!(error(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
     fn words_say_the_same_effort_again() {
         for line in [
             "--spp 3 --seed 7 --threads 2 --resolution 640x480 --integrator bdpt",
             "--time 0.5 --seed 0",
+            "--spp 1000 --error 0.01 --seed 0",
+            "--error 0.003 --time 60 --seed 0",
             "--seed 18446744073709551615",
         ] {
             let words = std::iter::once("etalon").chain(line.split(' '));

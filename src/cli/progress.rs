@@ -3,8 +3,9 @@
 use etalon::camera::Film;
 use etalon::integrator::{Budget, Progress};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::borrow::Cow;
 use std::sync::Mutex;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Steps of the bar over the whole render.
 const STEPS: u64 = 10_000;
@@ -31,12 +32,12 @@ impl Bar {
         self.bar.finish_and_clear();
     }
 
-    fn show(&self, budget: &Budget, started: Instant, samples: f64, error: Option<f64>) {
-        let elapsed = started.elapsed();
-        let done = match budget.time {
-            Some(limit) => elapsed.as_secs_f64() / limit.as_secs_f64(),
-            None => samples / budget.samples_per_pixel as f64,
-        };
+    fn show(&self, budget: &Budget, elapsed: Duration, samples: f64, error: Option<f64>) {
+        let by_time = budget.time.map(|limit| elapsed.as_secs_f64() / limit.as_secs_f64());
+        // The error falls with the root of the samples.
+        let by_error = budget.error.zip(error).map(|(target, error)| (target / error).powi(2));
+        let by_samples = samples / budget.samples_per_pixel as f64;
+        let done = [by_time, by_error].into_iter().flatten().fold(by_samples, f64::max);
         /// Before this share is done, the time left is a guess.
         const ENOUGH: f64 = 1e-3;
         let left =
@@ -51,21 +52,22 @@ impl Bar {
 }
 
 impl Progress for Bar {
-    fn block(&self, budget: &Budget, started: Instant, film: &Film) {
+    fn block<'f>(&self, budget: &Budget, elapsed: Duration, picture: &dyn Fn() -> Cow<'f, Film>) {
         if self.bar.is_hidden() {
             return; // the error estimate reads the whole film
         }
+        let film = picture();
         let error = film.relative_error();
         if let Ok(mut latest) = self.error.lock() {
             *latest = error;
         }
-        self.show(budget, started, film.samples_per_pixel() as f64, error);
+        self.show(budget, elapsed, film.samples_per_pixel() as f64, error);
     }
 
-    fn within_block(&self, budget: &Budget, started: Instant, samples: f64) {
+    fn within_block(&self, budget: &Budget, elapsed: Duration, samples: f64) {
         // Threads that find another one at it have nothing to add.
         if let Ok(error) = self.error.try_lock() {
-            self.show(budget, started, samples, *error);
+            self.show(budget, elapsed, samples, *error);
         }
     }
 }

@@ -1,12 +1,15 @@
 //! `etalon render`: a scene to an EXR in absolute units and, if asked, a developed picture.
 
 use super::arguments::Effort;
-use super::progress::Bar;
+use super::checkpoint::Keeping;
 use super::strategies;
 use clap::Args;
 use etalon::camera::{Darkroom, planes};
 use etalon::error::{Error, Result};
-use etalon::image::{DEVELOPED_ENDINGS, Facts, Label, Layers, write_developed, write_exr};
+use etalon::image::checkpoint::Identity;
+use etalon::image::{
+    DEVELOPED_ENDINGS, Facts, Label, Layers, Stopping, write_developed, write_exr, write_text,
+};
 use etalon::integrator::{Integrator, Rendering};
 use etalon::metropolis::Outcome;
 use etalon::scene::{Plan, Scene, View};
@@ -31,12 +34,14 @@ pub struct Arguments {
     png: Option<PathBuf>,
     #[command(flatten)]
     effort: Effort,
+    #[command(flatten)]
+    keeping: Keeping,
     /// Also write the facts of the render, those of the EXR, as a JSON file
     #[arg(long, value_name = "FILE.json")]
     report: Option<PathBuf>,
     /// Also write what each bidirectional strategy finds, weighted and by itself: EXRs and a
     /// contact sheet, for paths of up to 7 vertices
-    #[arg(long, value_name = "DIR", conflicts_with = "time")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["time", "error"])]
     strategies: Option<PathBuf>,
     /// Do not render, and exit with code 3, where light of some paths cannot be found
     #[arg(long)]
@@ -58,6 +63,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if let Some(report) = &arguments.report {
         check_output(report, &["json"], "the report is a JSON file")?;
     }
+    arguments.keeping.check(&arguments.output)?;
     if arguments.strategies.is_some() && arguments.effort.integrator() == Integrator::Mlt {
         return Err(Error::new("a chain's path belongs to no single strategy")
             .hint("use --strategies with --integrator bdpt, whose strategies mlt shares")
@@ -80,15 +86,13 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         strategies::prepare(folder)?;
         check_memory(&view, strategies::FILMS)?;
     }
-    let rendered = render_to_files(
-        &scene,
-        &view,
-        &arguments.effort,
-        DEFAULT_SPP,
+    let files = Files {
+        exr: &arguments.output,
+        png: arguments.png.as_deref(),
         layers,
-        &arguments.output,
-        arguments.png.as_deref(),
-    );
+        keeping: Some(&arguments.keeping),
+    };
+    let rendered = render_to_files(&scene, &view, &arguments.effort, DEFAULT_SPP, &files);
     if let (Some(report), Err(error)) = (&arguments.report, &rendered)
         && let Some(nothing) = error.downcast_ref::<NothingFound>()
     {
@@ -121,7 +125,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
 
 fn write_report(file: &Path, report: &impl serde::Serialize) -> anyhow::Result<()> {
     let text = serde_json::to_string_pretty(report)?;
-    Ok(std::fs::write(file, text + "\n").map_err(|e| Error::io(file, "write the report", &e))?)
+    Ok(write_text(file, "report", &(text + "\n"))?)
 }
 
 /// What the chains of a render say about themselves.
@@ -177,6 +181,11 @@ pub(super) fn check_output(file: &Path, endings: &[&str], rule: &str) -> Result<
         let hint = format!("end the file's name in .{}", endings.join(" or ."));
         return Err(Error::new(rule).hint(hint).in_file(file));
     }
+    check_place(file)
+}
+
+/// Whether there can be a file of this name: its folder, the permissions.
+pub(super) fn check_place(file: &Path) -> Result<()> {
     if file.is_dir() {
         return Err(Error::new("the output is a folder").hint("choose another name").in_file(file));
     }
@@ -193,26 +202,36 @@ pub(super) fn check_output(file: &Path, endings: &[&str], rule: &str) -> Result<
     attempt.map_err(|e| Error::io(file, "write to this folder", &e))
 }
 
+/// What a render is written to.
+pub struct Files<'a> {
+    pub exr: &'a Path,
+    pub png: Option<&'a Path>,
+    pub layers: Layers,
+    /// Where it is kept on the way, if anywhere.
+    pub keeping: Option<&'a Keeping>,
+}
+
 /// Renders a view and writes the files; the facts that went into them come back.
 pub fn render_to_files(
     scene: &Scene,
     view: &View,
     effort: &Effort,
     default_spp: u64,
-    layers: Layers,
-    exr: &Path,
-    png: Option<&Path>,
+    files: &Files<'_>,
 ) -> anyhow::Result<Facts> {
     check_memory(view, 1)?;
-    let plan = Plan::of(scene, &view.sensor, effort.integrator().strategies());
+    let integrator = effort.integrator();
+    let plan = Plan::of(scene, &view.sensor, integrator.strategies());
     if !plan.unreachable.is_empty() {
-        eprintln!("warning: {}", missing(&plan, effort.integrator()));
+        eprintln!("warning: {}", missing(&plan, integrator));
     }
     view.record().warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let budget = effort.budget(default_spp);
-    let bar = Bar::new();
-    let rendering = effort.integrator().render(scene, view, &plan, &budget, &bar);
-    bar.finish();
+    let identity = Identity::of(scene, view, integrator, &budget);
+    let keeping = files.keeping.cloned().unwrap_or_default();
+    let (from, watch) = keeping.begin(identity, view, &budget)?;
+    let rendering = integrator.go_on(scene, view, &plan, &budget, &watch, from);
+    watch.finish();
     if let Some(outcome) = &rendering.metropolis
         && let Some(paths) = outcome.found_none_in
         && !outcome.direct_light
@@ -221,17 +240,22 @@ pub fn render_to_files(
         let text = format!("{}: no direct light was found; {what}; no picture is written", scene.name);
         return Err(NothingFound { text, outcome: outcome.clone() }.into());
     }
-    let Rendering { film, elapsed, metropolis } = rendering;
-    let mut facts =
-        Facts { metropolis, ..Facts::of(scene, view, &plan, effort.integrator(), &budget, &film, elapsed) };
+    let Rendering { film, elapsed, metropolis, ends, spent } = rendering;
+    let mut facts = Facts {
+        cpu_seconds: spent.cpu_seconds,
+        parts: spent.parts,
+        stopping: Stopping { ends, ..Stopping::of(&budget) },
+        metropolis,
+        ..Facts::of(scene, view, &plan, integrator, &budget, &film, elapsed)
+    };
     let planes = planes(&film, &view.sensor, &view.flat_field());
     let camera = facts.camera.clone();
     let darkroom = Darkroom::new(&camera, &planes)?;
     facts.camera.saturated_pixels = darkroom.saturated_pixels();
-    write_exr(exr, &film, view, &facts, layers)?;
-    if let Some(png) = png {
+    write_exr(files.exr, &film, view, &facts, files.layers).map_err(|e| watch.console(e))?;
+    if let Some(png) = files.png {
         let label = Label { scene: &facts.scene, camera: &camera, tone: camera.tone };
-        write_developed(png, &darkroom, &label)?;
+        write_developed(png, &darkroom, &label).map_err(|e| watch.console(e))?;
     }
     Ok(facts)
 }

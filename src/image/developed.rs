@@ -2,15 +2,13 @@
 
 use super::exif::Label;
 use super::exr_file::ascii_only;
-use super::write_whole;
+use super::safely::{Writer, write_whole};
 use crate::camera::{Count, Darkroom};
 use crate::error::{Error, Result};
 use exr::prelude::{AttributeValue, SpecificChannels, Text, WritableImage as _, attribute};
 use image::codecs::{jpeg::JpegEncoder, png::PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 use tiff::encoder::{TiffEncoder, colortype};
 use tiff::tags::Tag;
@@ -29,9 +27,11 @@ type Written = std::result::Result<(), String>;
 pub fn write_developed(path: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>) -> Result<()> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match ending.as_str() {
-        "png" | "jpg" | "jpeg" => write_whole(path, |to| write_8_bits(to, darkroom, label, ending == "png")),
-        "tif" | "tiff" => write_whole(path, |to| write_tiff(to, darkroom, label)),
-        "exr" => write_whole(path, |to| write_linear(to, darkroom, label)),
+        "png" | "jpg" | "jpeg" => {
+            write_whole(path, "picture", |to| write_8_bits(to, darkroom, label, ending == "png"))
+        }
+        "tif" | "tiff" => write_whole(path, "picture", |to| write_tiff(to, darkroom, label)),
+        "exr" => write_whole(path, "picture", |to| write_linear(to, darkroom, label)),
         _ => Err(Error::new("a developed picture is a PNG, a TIFF, a JPEG or an EXR")
             .hint("end the file's name in .png, .tiff, .jpg or .exr")
             .in_file(path)),
@@ -45,15 +45,14 @@ fn encoded(darkroom: &Darkroom<'_>, scale: f64) -> Vec<f64> {
     pixels.flat_map_iter(|pixel| darkroom.display(pixel).map(|c| (c * scale).round())).collect()
 }
 
-fn write_8_bits(to: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>, as_png: bool) -> Written {
+fn write_8_bits(to: &mut Writer, darkroom: &Darkroom<'_>, label: &Label<'_>, as_png: bool) -> Written {
     let [width, height] = darkroom.resolution();
     let bytes: Vec<u8> = encoded(darkroom, 255.0).iter().map(|c| *c as u8).collect();
-    let file = BufWriter::new(File::create(to).map_err(|e| e.to_string())?);
     let exif = label.block().map_err(|e| e.to_string())?;
     let written = if as_png {
-        write_with(PngEncoder::new(file), exif, &bytes, [width, height])
+        write_with(PngEncoder::new(to), exif, &bytes, [width, height])
     } else {
-        write_with(JpegEncoder::new_with_quality(file, JPEG_QUALITY), exif, &bytes, [width, height])
+        write_with(JpegEncoder::new_with_quality(to, JPEG_QUALITY), exif, &bytes, [width, height])
     };
     written.map_err(|e| e.to_string())
 }
@@ -68,11 +67,10 @@ fn write_with(
     encoder.write_image(bytes, width, height, ExtendedColorType::Rgb8)
 }
 
-fn write_tiff(to: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>) -> Written {
+fn write_tiff(to: &mut Writer, darkroom: &Darkroom<'_>, label: &Label<'_>) -> Written {
     let values: Vec<u16> = encoded(darkroom, 65_535.0).iter().map(|c| *c as u16).collect();
-    let file = BufWriter::new(File::create(to).map_err(|e| e.to_string())?);
     write_page::<colortype::RGB16>(
-        &mut TiffEncoder::new(file).map_err(|e| e.to_string())?,
+        &mut TiffEncoder::new(to).map_err(|e| e.to_string())?,
         darkroom.resolution(),
         &values,
         label,
@@ -83,7 +81,7 @@ fn write_tiff(to: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>) -> Written 
 
 /// Writes a picture of 16 bits into a TIFF, with its EXIF and, where given, a name of its own.
 fn write_page<C: colortype::ColorType<Inner = u16>>(
-    encoder: &mut TiffEncoder<BufWriter<File>>,
+    encoder: &mut TiffEncoder<&mut Writer>,
     [width, height]: [u32; 2],
     values: &[u16],
     label: &Label<'_>,
@@ -110,9 +108,8 @@ pub fn write_raw(path: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>) -> Res
     }
     let channels: Vec<Vec<Count>> =
         (0..camera.channels.len()).filter_map(|channel| darkroom.counts(channel)).collect();
-    write_whole(path, |to| {
-        let file = BufWriter::new(File::create(to).map_err(|e| e.to_string())?);
-        let mut encoder = TiffEncoder::new(file).map_err(|e| e.to_string())?;
+    write_whole(path, "picture", |to| {
+        let mut encoder = TiffEncoder::new(to).map_err(|e| e.to_string())?;
         let size = darkroom.resolution();
         let written = if let [red, green, blue] = channels.as_slice() {
             let pixels = red.iter().zip(green).zip(blue);
@@ -130,7 +127,7 @@ pub fn write_raw(path: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>) -> Res
 }
 
 /// Linear sRGB with 1 at display white, not clipped, and the luminance that 1 stands for.
-fn write_linear(to: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>) -> Written {
+fn write_linear(to: &mut Writer, darkroom: &Darkroom<'_>, label: &Label<'_>) -> Written {
     let [width, height] = darkroom.resolution().map(|side| side as usize);
     let pixel = |position: exr::math::Vec2<usize>| {
         let [r, g, b] = darkroom.linear(position.y() * width + position.x()).map(|c| c as f32);
@@ -157,5 +154,5 @@ fn write_linear(to: &Path, darkroom: &Darkroom<'_>, label: &Label<'_>) -> Writte
         blue: exr::math::Vec2(0.15, 0.06),
         white: exr::math::Vec2(0.3127, 0.3290),
     });
-    picture.write().to_file(to).map_err(|e| e.to_string())
+    picture.write().to_buffered(to).map_err(|e| e.to_string())
 }

@@ -1,7 +1,7 @@
 //! OpenEXR with 32-bit floats: absolute tristimulus values, their errors, further channels.
 
 use super::facts::Facts;
-use super::write_whole;
+use super::safely::write_whole;
 use crate::camera::{FLAT_FIELD_CHANNEL, Film, Responses, Sensor};
 use crate::error::Result;
 use crate::scene::View;
@@ -64,7 +64,7 @@ pub fn write_exr(path: &Path, film: &Film, view: &View, facts: &Facts, layers: L
             white: Vec2(1.0 / 3.0, 1.0 / 3.0),
         });
     }
-    write_whole(path, |temporary| image.write().to_file(temporary).map_err(|e| e.to_string()))
+    write_whole(path, "picture", |to| image.write().to_buffered(to).map_err(|e| e.to_string()))
 }
 
 const XYZ: [&str; 3] = ["X", "Y", "Z"];

@@ -1,7 +1,7 @@
 //! What a picture file says about itself, as one JSON text beside the standard attributes.
 
 use crate::camera::{CameraRecord, Film};
-use crate::integrator::{Budget, Integrator};
+use crate::integrator::{Budget, End, Integrator, cpu_seconds};
 use crate::metropolis::Outcome;
 use crate::scene::{Plan, Scene, View};
 use serde::Serialize;
@@ -22,8 +22,13 @@ pub struct Facts {
     pub samples_per_pixel: u64,
     /// Wall-clock seconds of rendering.
     pub seconds: f64,
-    /// Processor seconds of the whole process so far, where the system tells.
+    /// Processor seconds of all processes of the run so far, loading included, where the system
+    /// tells.
     pub cpu_seconds: Option<f64>,
+    /// Processes that the run has taken: one, and one more for every time it was resumed.
+    pub parts: u32,
+    /// When the run was to end.
+    pub stopping: Stopping,
     /// Algorithm.
     pub integrator: &'static str,
     /// Units of the channels.
@@ -42,6 +47,32 @@ pub struct Facts {
     pub non_finite_samples: u64,
     /// What chains of paths say about themselves.
     pub metropolis: Option<Outcome>,
+}
+
+/// When a run was to end, and what ended it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Stopping {
+    /// Samples per pixel at most; `None` without a limit.
+    pub samples_per_pixel: Option<u64>,
+    /// Relative error of the luminance picture to be reached.
+    pub error: Option<f64>,
+    /// Seconds.
+    pub time_s: Option<f64>,
+    /// What ended the picture: one entry where only its samples could, else one for each of two
+    /// independent halves, of each of which the other one decides. Empty if it has not ended.
+    pub ends: Vec<End>,
+}
+
+impl Stopping {
+    /// A budget's rule.
+    pub fn of(budget: &Budget) -> Self {
+        Self {
+            samples_per_pixel: Some(budget.samples_per_pixel).filter(|most| *most < u64::MAX),
+            error: budget.error,
+            time_s: budget.time.map(|time| time.as_secs_f64()),
+            ends: Vec::new(),
+        }
+    }
 }
 
 impl Facts {
@@ -63,6 +94,8 @@ impl Facts {
             samples_per_pixel: film.samples_per_pixel(),
             seconds: elapsed.as_secs_f64(),
             cpu_seconds: cpu_seconds(),
+            parts: 1,
+            stopping: Stopping::of(budget),
             integrator: integrator.name(),
             units: "X, Y, Z in cd/m2 (Y is luminance); stderr.* their standard errors; sensor.* as camera.channels says, before exposure and vignetting; S0.* in W sr^-1 m^-2 nm^-1; vignetting relative to the middle",
             camera: view.record(),
@@ -74,15 +107,4 @@ impl Facts {
             metropolis: None,
         }
     }
-}
-
-/// Processor time of this process in seconds, user and system, from Linux's `/proc`.
-fn cpu_seconds() -> Option<f64> {
-    /// Clock ticks per second that Linux reports to programs on every architecture.
-    const TICKS_PER_SECOND: f64 = 100.0;
-    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The command name in parentheses may hold spaces; fields are counted after it.
-    let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
-    let ticks = |index: usize| fields.get(index)?.parse::<f64>().ok();
-    Some((ticks(11)? + ticks(12)?) / TICKS_PER_SECOND)
 }

@@ -1,6 +1,6 @@
 //! A contact sheet of small pictures with captions.
 
-use super::write_whole;
+use super::safely::write_whole;
 use crate::camera::{Development, Film};
 use crate::error::Result;
 use font8x8::{BASIC_FONTS, UnicodeFonts as _};
@@ -44,7 +44,7 @@ pub fn write_sheet(path: &Path, tiles: &[Tile<'_>]) -> Result<()> {
         image::imageops::replace(&mut sheet, &small, i64::from(left), i64::from(top));
         write_text(&mut sheet, tile.caption, [left, top + size[1] + MARGIN]);
     }
-    write_whole(path, |to| sheet.save_with_format(to, ImageFormat::Png).map_err(|e| e.to_string()))
+    write_whole(path, "contact sheet", |to| sheet.write_to(to, ImageFormat::Png).map_err(|e| e.to_string()))
 }
 
 fn developed(tile: &Tile<'_>) -> RgbImage {

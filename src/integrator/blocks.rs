@@ -4,16 +4,17 @@
 //! the film in their order, so the picture does not depend on how many threads there are.
 
 use super::in_order::InOrder;
+use super::run::{Gathered, Source};
+use super::stopping::Budget;
 use super::tracer::Tracer;
 use crate::camera::Film;
-use crate::metropolis::Outcome;
 use crate::path::Subpaths;
 use crate::sampler::BlockSampler;
 use crate::scene::{Plan, View};
 use crate::spectrum::Spectrum;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
 
 /// Samples of one block: enough for stratification to pay, few enough for the number of
 /// blocks to give a variance.
@@ -21,86 +22,40 @@ const BLOCK_SAMPLES: u32 = 16;
 /// Blocks that a render has at least, where it has as many samples.
 const FEWEST_BLOCKS: u32 = 4;
 
-/// When a render ends, and what its random numbers start from.
-#[derive(Clone, Copy, Debug)]
-pub struct Budget {
-    /// Samples per pixel; reached exactly unless time runs out first.
-    pub samples_per_pixel: u64,
-    /// Time after which no further block is begun.
-    pub time: Option<Duration>,
-    /// Names the run.
-    pub seed: u64,
+/// Independent samples under a plan.
+pub(super) struct Samples<'a> {
+    pub tracer: Tracer<'a>,
+    pub view: &'a View,
+    pub plan: &'a Plan,
 }
 
-/// Told how a render goes.
-pub trait Progress: Sync {
-    /// After each block: samples per pixel so far, and the film.
-    fn block(&self, budget: &Budget, started: Instant, film: &Film);
-    /// Within a block: samples per pixel so far, those of the block in proportion to the rows
-    /// that are done.
-    fn within_block(&self, _budget: &Budget, _started: Instant, _samples: f64) {}
-}
-
-/// No report at all.
-#[derive(Clone, Copy, Debug)]
-pub struct Silent;
-
-impl Progress for Silent {
-    fn block(&self, _: &Budget, _: Instant, _: &Film) {}
-}
-
-/// A finished render.
-#[derive(Clone, Debug)]
-pub struct Rendering {
-    /// The picture and its error.
-    pub film: Film,
-    /// Time it took.
-    pub elapsed: Duration,
-    /// What chains say about themselves, where there were any.
-    pub metropolis: Option<Outcome>,
-}
-
-pub(super) fn render(
-    tracer: &Tracer<'_>,
-    view: &View,
-    plan: &Plan,
-    budget: &Budget,
-    progress: &dyn Progress,
-) -> Rendering {
-    let started = Instant::now();
-    let mut film = Film::new(view.camera.resolution(), view.sensor.channels.len(), plan.strategies.splats());
-    let mut block = 0;
-    while film.samples_per_pixel() < budget.samples_per_pixel {
-        let late = budget.time.is_some_and(|limit| started.elapsed() >= limit);
-        // One block cannot give an error estimate; the second is taken even when late.
-        if late && block >= 2 {
-            break;
-        }
-        let left = budget.samples_per_pixel - film.samples_per_pixel();
-        let size = block_size(budget, film.samples_per_pixel()).min(left) as u32;
-        let taken = film.samples_per_pixel() as f64;
-        let within = |share: f64| progress.within_block(budget, started, taken + share * f64::from(size));
-        let of = BlockOf { seed: budget.seed, number: block, size };
-        render_block(tracer, view, &mut film, &of, &within);
-        film.finish_block(size);
-        block += 1;
-        progress.block(budget, started, &film);
+impl Source for Samples<'_> {
+    fn begin(&self) -> Gathered {
+        let channels = self.view.sensor.channels.len();
+        let film = Film::new(self.view.camera.resolution(), channels, self.plan.strategies.splats());
+        Gathered { film, chains: None }
     }
-    Rendering { film, elapsed: started.elapsed(), metropolis: None }
-}
 
-/// Samples of the next block. Against the clock blocks double from one, so that even a short
-/// time holds several.
-fn block_size(budget: &Budget, taken: u64) -> u64 {
-    let fitting = match budget.time {
-        Some(_) => taken,
-        None => budget.samples_per_pixel / u64::from(FEWEST_BLOCKS),
-    };
-    fitting.clamp(1, u64::from(BLOCK_SAMPLES))
+    /// Where it is open how many there will be, blocks double from one, so that even a short
+    /// run holds several.
+    fn block_size(&self, budget: &Budget, taken: u64, _block: u32) -> u64 {
+        let fitting =
+            if budget.is_open() { taken } else { budget.samples_per_pixel / u64::from(FEWEST_BLOCKS) };
+        fitting.clamp(1, u64::from(BLOCK_SAMPLES))
+    }
+
+    fn block(&self, gathered: &mut Gathered, block: &BlockOf, report_share: &(dyn Fn(f64) + Sync)) {
+        render_block(&self.tracer, self.view, &mut gathered.film, block, report_share);
+        gathered.film.finish_block(block.size);
+    }
+
+    fn picture<'g>(&self, gathered: &'g Gathered) -> Cow<'g, Film> {
+        Cow::Borrowed(&gathered.film)
+    }
 }
 
 /// One block of a run.
-pub(super) struct BlockOf {
+pub(crate) struct BlockOf {
     pub seed: u64,
     pub number: u32,
     pub size: u32,

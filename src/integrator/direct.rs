@@ -13,38 +13,34 @@ pub struct DirectLight<'a> {
     scene: &'a Scene,
     view: &'a View,
     plan: Plan,
-    seed: u64,
-    film: Film,
-    blocks: u32,
 }
 
 /// Samples that tell whether there is any.
 const PROBES: u32 = 1 << 13;
 
 impl<'a> DirectLight<'a> {
-    /// Nothing gathered yet.
-    pub fn new(scene: &'a Scene, view: &'a View, seed: u64) -> Self {
+    /// Of a view.
+    pub fn new(scene: &'a Scene, view: &'a View) -> Self {
         let mut plan = Plan::of(scene, &view.sensor, Strategies::DIRECT);
         plan.direct_only = true;
-        let channels = view.sensor.channels.len();
-        let film = Film::new(view.camera.resolution(), channels, plan.strategies.splats());
-        Self { scene, view, plan, seed, film, blocks: 0 }
+        Self { scene, view, plan }
     }
 
-    /// The picture so far.
-    pub const fn film(&self) -> &Film {
-        &self.film
+    /// Nothing gathered yet.
+    pub fn film(&self) -> Film {
+        let channels = self.view.sensor.channels.len();
+        Film::new(self.view.camera.resolution(), channels, self.plan.strategies.splats())
     }
 
     /// Whether some samples, which are then forgotten, find any.
-    pub fn is_seen(&self) -> bool {
+    pub fn is_seen(&self, seed: u64) -> bool {
         let tracer = self.tracer();
         let [width, height] = self.view.camera.resolution();
-        let numbers = BlockSampler::new(!self.seed, 0, 0, PROBES);
+        let numbers = BlockSampler::new(!seed, 0, 0, PROBES);
         let mut paths = Subpaths::default();
         let mut seen = false;
         for index in 0..PROBES {
-            let place = crate::sampler::owen_sobol_2d(index, PROBES.trailing_zeros(), self.seed);
+            let place = crate::sampler::owen_sobol_2d(index, PROBES.trailing_zeros(), seed);
             let corner = [place[0] * width as f32, place[1] * height as f32].map(|c| f64::from(c.floor()));
             tracer.sample(corner, &numbers.sample(index), &mut paths, &mut |found, _| {
                 seen |= !(found.estimate * found.weight).is_black();
@@ -53,13 +49,11 @@ impl<'a> DirectLight<'a> {
         seen
     }
 
-    /// Takes a block of so many samples in every pixel.
-    pub fn block(&mut self, samples_per_pixel: u32) {
-        let tracer = Tracer::new(self.scene, &self.plan, Eye::Camera(&self.view.camera));
-        let of = BlockOf { seed: self.seed, number: self.blocks, size: samples_per_pixel };
-        render_block(&tracer, self.view, &mut self.film, &of, &|_| {});
-        self.film.finish_block(samples_per_pixel);
-        self.blocks += 1;
+    /// Takes the next block of a film, of so many samples in every pixel.
+    pub fn block(&self, film: &mut Film, seed: u64, samples_per_pixel: u32) {
+        let of = BlockOf { seed, number: film.blocks(), size: samples_per_pixel };
+        render_block(&self.tracer(), self.view, film, &of, &|_| {});
+        film.finish_block(samples_per_pixel);
     }
 
     fn tracer(&self) -> Tracer<'_> {

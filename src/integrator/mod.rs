@@ -8,13 +8,18 @@ mod direct;
 mod in_order;
 mod measure;
 mod pyramid;
+mod run;
+mod stopping;
 mod tracer;
 
-pub use blocks::{Budget, Progress, Rendering, Silent};
+pub(crate) use blocks::BlockOf;
 pub(crate) use direct::DirectLight;
 pub(crate) use in_order::InOrder;
 pub use measure::{Reading, read_meters};
 pub use pyramid::{Pyramid, StrategyFilms, render_pyramid};
+pub(crate) use run::{Clock, Gathered, Source, cpu_seconds};
+pub use run::{End, Progress, Rendering, Silent, Spent, State};
+pub use stopping::{Budget, FEWEST_SAMPLES, Reason};
 pub use tracer::{Draw, Tracer};
 
 use crate::path::Eye;
@@ -72,9 +77,25 @@ impl Integrator {
         budget: &Budget,
         progress: &dyn Progress,
     ) -> Rendering {
+        self.go_on(scene, view, plan, budget, progress, None)
+    }
+
+    /// Goes on with a run from a state that [`Progress::keep`] was given; bit for bit what the
+    /// run comes to without an interruption, unless its time is limited. Begins one without a state.
+    ///
+    /// The state must be of the same run ([`State::check`], and the same scene, plan and seed).
+    pub fn go_on(
+        self,
+        scene: &Scene,
+        view: &View,
+        plan: &Plan,
+        budget: &Budget,
+        progress: &dyn Progress,
+        from: Option<State>,
+    ) -> Rendering {
         match self {
-            Self::Path | Self::Light | Self::Bdpt => render(scene, view, plan, budget, progress),
-            Self::Mlt => crate::metropolis::render(scene, view, plan, budget, progress),
+            Self::Path | Self::Light | Self::Bdpt => sample(scene, view, plan, budget, progress, from),
+            Self::Mlt => crate::metropolis::go_on(scene, view, plan, budget, progress, from),
         }
     }
 }
@@ -87,6 +108,20 @@ pub fn render(
     budget: &Budget,
     progress: &dyn Progress,
 ) -> Rendering {
-    let tracer = Tracer::new(scene, plan, Eye::Camera(&view.camera));
-    blocks::render(&tracer, view, plan, budget, progress)
+    sample(scene, view, plan, budget, progress, None)
+}
+
+fn sample(
+    scene: &Scene,
+    view: &View,
+    plan: &Plan,
+    budget: &Budget,
+    progress: &dyn Progress,
+    from: Option<State>,
+) -> Rendering {
+    let clock = Clock::start(from.as_ref());
+    let source = blocks::Samples { tracer: Tracer::new(scene, plan, Eye::Camera(&view.camera)), view, plan };
+    let mut state = from.unwrap_or_else(|| State::begin(&source, budget, &clock, None));
+    state.run(&source, budget, &clock, progress);
+    state.finish(&source, None)
 }

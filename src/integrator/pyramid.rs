@@ -1,7 +1,8 @@
 //! One picture for each strategy: what people draw to understand bidirectional rendering.
 
-use super::blocks::{BlockOf, Budget};
+use super::blocks::BlockOf;
 use super::in_order::InOrder;
+use super::stopping::Budget;
 use super::tracer::Tracer;
 use crate::camera::Film;
 use crate::path::Subpaths;

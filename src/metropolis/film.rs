@@ -5,8 +5,10 @@
 //! have mixed (Veach 1997, section 11.3.1). Blocks are put together in proportion to these means
 //! and leave the level of the whole to the normalisation of the run.
 
+use serde::{Deserialize, Serialize};
+
 /// Sums over blocks, pixel by pixel in rows, channel by channel.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ChainFilm {
     channels: usize,
     /// What the chains of the block being taken have left.
@@ -34,6 +36,12 @@ impl ChainFilm {
             weight_squares: 0.0,
             blocks: 0,
         }
+    }
+
+    /// Whether it is a film of this size, all of it: one from a file may be anything.
+    pub fn fits(&self, pixels: usize, channels: usize) -> bool {
+        let parts = [&self.block, &self.sums, &self.squares, &self.crossed];
+        self.channels == channels && parts.iter().all(|part| part.len() == pixels * channels)
     }
 
     /// Adds what chains leave at pixels: `values` holds a number per channel for each of them.

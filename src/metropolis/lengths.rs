@@ -6,12 +6,13 @@
 
 use super::numbers::Numbers;
 use crate::path::Strategies;
+use serde::{Deserialize, Serialize};
 
 /// Probability of every number of counted vertices, and of those from the light, for a fresh
 /// path.
 ///
 /// Short paths have a table; longer ones a geometric tail, so that every path is possible.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Lengths {
     strategies: Strategies,
     /// By vertices (from [`FEWEST`] on), then by vertices from the light.
@@ -83,6 +84,23 @@ impl Lengths {
         };
         let table = rows.iter().zip(&unknown.table).map(|(k, u)| mix(k, u)).collect();
         Self { table, tail: scale * beyond + UNKNOWN_SHARE * unknown.tail, ratio, ..unknown }
+    }
+
+    /// The same among the strategies of a plan.
+    #[must_use]
+    pub(super) fn among(self, strategies: Strategies) -> Self {
+        Self { strategies, ..self }
+    }
+
+    /// Whether it is a distribution: one from a file may be anything.
+    pub(super) fn is_sound(&self) -> bool {
+        let is_share = |share: &f64| (0.0..=1.0).contains(share);
+        let rows = self.table.iter().zip(FEWEST..);
+        self.table.len() == LONGEST + 1 - FEWEST
+            && rows.into_iter().all(|(row, vertices)| row.len() == vertices + 1 && row.iter().all(is_share))
+            && is_share(&self.tail)
+            && self.ratio > 0.0
+            && self.ratio < 1.0
     }
 
     /// Probability of a path of `vertices` with `s` of them from the light.

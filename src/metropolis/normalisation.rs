@@ -1,9 +1,10 @@
 //! The level of the picture: the mean of what fresh paths estimate, and how sure it is.
 
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// What independent fresh paths have estimated.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimates {
     /// Fresh paths, void ones included.
     pub paths: u64,

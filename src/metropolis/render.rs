@@ -2,6 +2,7 @@
 
 use super::chain::{Chain, Splats};
 use super::film::ChainFilm;
+use super::lengths::Lengths;
 use super::mutation::Place;
 use super::normalisation::Estimates;
 use super::numbers::Numbers;
@@ -9,12 +10,15 @@ use super::report::{Convergence, Counts, Report};
 use super::start::{ENOUGH_FOUND, Use};
 use super::world::World;
 use crate::camera::Film;
-use crate::integrator::{Budget, DirectLight, InOrder, Progress, Rendering};
+use crate::integrator::{
+    BlockOf, Budget, Clock, DirectLight, FEWEST_SAMPLES, Gathered, InOrder, Progress, Rendering, Source,
+    State,
+};
 use crate::sampler::mix;
 use crate::scene::{Plan, Scene, View};
 use rayon::prelude::*;
-use serde::Serialize;
-use std::time::Instant;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Chains of a block, whatever the number of threads.
 const CHAINS: usize = 32;
@@ -25,10 +29,13 @@ const MOST_VERTICES: u64 = 1 << 24;
 const VERTICES_PER_PATH: u64 = 64;
 /// Paths that carry light that a run is to find by searches of fixed size, for its level's sake.
 const FINDS_PER_RUN: u64 = 64;
-/// Blocks of a run that is told its samples; the scatter between them is the error.
+/// Blocks of a run that is told its samples, at least; the scatter between them is the error.
 const BLOCKS: u64 = 16;
-/// Against the clock, a block takes this share of the samples before it.
+/// Where it is open how many samples there will be, a block takes this share of those before it.
 const GROWTH: u64 = 8;
+/// Mutations of the longest block, some ten minutes of one thread: a run can be gone on with
+/// from the end of a block only.
+const MOST_MUTATIONS: u64 = 1 << 27;
 /// Mutations that a chain takes between two looks at the film.
 const STRETCH: u64 = 1 << 15;
 /// Rounds of learning how long fresh paths are to be; fresh paths of each, and half as many
@@ -63,24 +70,56 @@ impl Outcome {
     }
 }
 
-/// A run on its way.
-struct Run<'w, 'a> {
-    world: &'w World<'a>,
-    seed: u64,
-    /// Counts samples and blocks; the sums are kept apart.
-    film: Film,
-    chain_film: ChainFilm,
-    direct: DirectLight<'a>,
-    per_direct: u64,
+/// What a run learns before its first block.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Learned {
+    lengths: Lengths,
     /// Fresh paths among which there was none for chains to start from.
     found_none_in: Option<u64>,
     /// Fresh paths that each block looks at, so that the run finds enough to know its level.
     search_at_least: u64,
     /// Vertices after which a search gives up.
     most_vertices: u64,
+}
+
+impl Learned {
+    /// Whether paths can be drawn by it: one from a file may be anything.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.lengths.is_sound()
+    }
+}
+
+/// What chains leave.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Chains {
+    film: ChainFilm,
+    direct: Film,
     counts: Counts,
     estimates: Estimates,
     convergence: Convergence,
+}
+
+impl Chains {
+    /// Whether it is of a picture of this size: one from a file may be anything.
+    pub(crate) fn fits(&self, resolution: [u32; 2], channels: usize) -> bool {
+        let pixels = resolution[0] as usize * resolution[1] as usize;
+        self.film.fits(pixels, channels) && self.direct.fits(resolution, channels)
+    }
+
+    /// Adds those of another half.
+    fn merge(&mut self, other: &Self) {
+        self.counts.merge(&other.counts);
+        self.estimates.merge(&other.estimates);
+        self.convergence.extend(&other.convergence);
+    }
+}
+
+/// Chains of mutated paths beside samples of direct light.
+struct Mutated<'w, 'a> {
+    world: &'w World<'a>,
+    learned: &'w Learned,
+    direct: DirectLight<'a>,
+    per_direct: u64,
 }
 
 /// Renders a view by chains of mutated paths.
@@ -91,13 +130,41 @@ pub fn render(
     budget: &Budget,
     progress: &dyn Progress,
 ) -> Rendering {
-    let started = Instant::now();
+    go_on(scene, view, plan, budget, progress, None)
+}
+
+/// Goes on with a run from a state, or begins one.
+pub(crate) fn go_on(
+    scene: &Scene,
+    view: &View,
+    plan: &Plan,
+    budget: &Budget,
+    progress: &dyn Progress,
+    from: Option<State>,
+) -> Rendering {
+    let clock = Clock::start(from.as_ref());
     let mut world = World::new(scene, view, plan);
-    let pixels = u64::from(world.resolution[0]) * u64::from(world.resolution[1]);
-    let mutations = match budget.time {
-        Some(time) => (time.as_secs_f64() * MUTATIONS_PER_S * rayon::current_num_threads() as f64) as u64,
-        None => budget.samples_per_pixel.saturating_mul(pixels),
+    let learned = match from.as_ref().and_then(|state| state.learned.clone()) {
+        Some(learned) => {
+            world.lengths = learned.lengths.clone().among(plan.strategies);
+            learned
+        }
+        None => learn(&mut world, budget),
     };
+    let direct = DirectLight::new(scene, view);
+    let is_seen = direct.is_seen(direct_seed(budget.seed));
+    let source =
+        Mutated { world: &world, learned: &learned, direct, per_direct: PER_DIRECT[usize::from(!is_seen)] };
+    let mut state = from.unwrap_or_else(|| State::begin(&source, budget, &clock, Some(learned.clone())));
+    state.run(&source, budget, &clock, progress);
+    let outcome = outcome(scene, &learned, &state);
+    state.finish(&source, Some(outcome))
+}
+
+/// Learns how long fresh paths are to be. The halves of a run share it: what it was learned from
+/// enters neither.
+fn learn(world: &mut World<'_>, budget: &Budget) -> Learned {
+    let mutations = mutations(budget, world.resolution);
     let learning = (mutations / LEARNING_SHARE).clamp(LEARNING[0], LEARNING[1]);
     let most = match budget.time {
         Some(_) => learning * VERTICES_PER_PATH,
@@ -115,86 +182,136 @@ pub fn render(
         let starts = world.starts(&search.found, CHAINS, &mut Numbers::of(&[seed]));
         world.learn(seed, starts, learning / 2 / CHAINS as u64);
     }
-    let direct = DirectLight::new(scene, view, mix(budget.seed ^ mix(Use::Direct as u64)));
-    let mut run = Run {
-        world: &world,
-        seed: budget.seed,
-        film: Film::new(world.resolution, view.sensor.channels.len(), false),
-        chain_film: ChainFilm::new(pixels as usize, view.sensor.channels.len()),
-        per_direct: PER_DIRECT[usize::from(!direct.is_seen())],
-        direct,
+    Learned {
+        lengths: world.lengths.clone(),
         found_none_in,
         search_at_least: needed.div_ceil(fewest_blocks(budget)),
         most_vertices: most,
-        counts: Counts::default(),
-        estimates: Estimates::default(),
-        convergence: Convergence::default(),
-    };
-    let mut block = 0;
-    while run.film.samples_per_pixel() < budget.samples_per_pixel {
-        let late = budget.time.is_some_and(|limit| started.elapsed() >= limit);
-        // One block cannot give an error estimate; the second is taken even when late.
-        if late && block >= 2 {
-            break;
-        }
-        let taken = run.film.samples_per_pixel();
-        let size = block_size(budget, taken, block);
-        run.chains(block, size, &|share| {
-            progress.within_block(budget, started, taken as f64 + share * size as f64)
-        });
-        run.direct.block(size.div_ceil(run.per_direct) as u32);
-        run.film.finish_block(size as u32);
-        block += 1;
-        progress.block(budget, started, &run.picture());
     }
-    let film = run.picture();
-    let direct_light = (0..film.pixels()).any(|pixel| run.direct.film().mean(pixel, 1) > 0.0);
+}
+
+/// Mutations that a run can be expected to take.
+fn mutations(budget: &Budget, resolution: [u32; 2]) -> u64 {
+    if let Some(time) = budget.time {
+        return (time.as_secs_f64() * MUTATIONS_PER_S * rayon::current_num_threads() as f64) as u64;
+    }
+    // Until its error is looked at, a run takes so many in any case.
+    let most = if budget.error.is_some() { 2 * FEWEST_SAMPLES } else { u64::MAX };
+    let pixels = u64::from(resolution[0]) * u64::from(resolution[1]);
+    budget.samples_per_pixel.min(most).saturating_mul(pixels)
+}
+
+const fn direct_seed(seed: u64) -> u64 {
+    mix(seed ^ mix(Use::Direct as u64))
+}
+
+/// What a run says about itself: all that enters the picture, taken together.
+fn outcome(scene: &Scene, learned: &Learned, state: &State) -> Outcome {
+    let mut halves = state.estimates().filter_map(|gathered| gathered.chains.as_ref());
+    let is_seen = |chains: &Chains| {
+        let direct = &chains.direct;
+        (0..direct.pixels()).any(|pixel| direct.mean(pixel, 1) > 0.0)
+    };
+    let mut all = halves.next().expect("a run of chains gathers chains").clone();
+    let mut direct_light = is_seen(&all);
+    for half in halves {
+        all.merge(half);
+        direct_light |= is_seen(half);
+    }
     // Chains without a level are no picture.
-    let found_none_in = run.found_none_in.or((run.estimates.found == 0).then_some(run.estimates.paths));
-    let report = found_none_in.is_none().then(|| Report::of(&run.counts, &run.estimates, &run.convergence));
+    let found_none_in = learned.found_none_in.or((all.estimates.found == 0).then_some(all.estimates.paths));
+    let report = found_none_in.is_none().then(|| Report::of(&all.counts, &all.estimates, &all.convergence));
     let found_none_in = found_none_in.filter(|_| !scene.lights.is_empty());
-    let outcome = Outcome { report, found_none_in, direct_light };
-    Rendering { film, elapsed: started.elapsed(), metropolis: Some(outcome) }
+    Outcome { report, found_none_in, direct_light }
 }
 
 /// Blocks that a run takes whatever happens.
 fn fewest_blocks(budget: &Budget) -> u64 {
+    // The blocks that an error waits for are more than those of a run that is told its samples.
     if budget.time.is_some() { 2 } else { BLOCKS.min(budget.samples_per_pixel) }
 }
 
 /// Samples per pixel of the next block.
-fn block_size(budget: &Budget, taken: u64, block: u64) -> u64 {
-    if budget.time.is_some() {
-        return (taken / GROWTH).clamp(1, u64::from(u32::MAX));
+fn block_size(budget: &Budget, pixels: u64, taken: u64, block: u64) -> u64 {
+    let most = (MOST_MUTATIONS / pixels).clamp(1, u64::from(u32::MAX));
+    if budget.is_open() {
+        return (taken / GROWTH).clamp(1, most);
     }
     // Of as equal size as whole numbers allow.
-    let blocks = fewest_blocks(budget);
+    let blocks = BLOCKS.min(budget.samples_per_pixel).max(budget.samples_per_pixel.div_ceil(most));
     let upto =
         |block: u64| (u128::from(budget.samples_per_pixel) * u128::from(block) / u128::from(blocks)) as u64;
-    (upto(block + 1) - upto(block)).min(u64::from(u32::MAX))
+    upto(block + 1) - upto(block)
 }
 
-impl Run<'_, '_> {
+impl Source for Mutated<'_, '_> {
+    fn begin(&self) -> Gathered {
+        let channels = self.world.sensor.channels.len();
+        let film = Film::new(self.world.resolution, channels, false);
+        let chains = Chains {
+            film: ChainFilm::new(film.pixels(), channels),
+            direct: self.direct.film(),
+            counts: Counts::default(),
+            estimates: Estimates::default(),
+            convergence: Convergence::default(),
+        };
+        Gathered { film, chains: Some(chains) }
+    }
+
+    fn block_size(&self, budget: &Budget, taken: u64, block: u32) -> u64 {
+        let [width, height] = self.world.resolution.map(u64::from);
+        block_size(budget, width * height, taken, u64::from(block))
+    }
+
+    fn block(&self, gathered: &mut Gathered, block: &BlockOf, report_share: &(dyn Fn(f64) + Sync)) {
+        let Gathered { film, chains: Some(chains) } = gathered else { return };
+        self.chains(chains, block, report_share);
+        let direct = u64::from(block.size).div_ceil(self.per_direct) as u32;
+        self.direct.block(&mut chains.direct, direct_seed(block.seed), direct);
+        film.finish_block(block.size);
+    }
+
+    /// What the chains left times the normalisation, and direct light.
+    fn picture<'g>(&self, gathered: &'g Gathered) -> Cow<'g, Film> {
+        let Gathered { film, chains: Some(chains) } = gathered else {
+            return Cow::Borrowed(&gathered.film);
+        };
+        let estimates = &chains.estimates;
+        let b = if estimates.found > 0 { estimates.mean() } else { 0.0 };
+        let b_error = if estimates.found > 0 { estimates.standard_error() } else { 0.0 };
+        let direct = &chains.direct;
+        let mut film = film.map(|pixel, channel, _, _| {
+            let (share, error) = chains.film.share(pixel, channel);
+            let (other, other_error) = (direct.mean(pixel, channel), direct.standard_error(pixel, channel));
+            let variance = (b * error).powi(2) + (share * b_error).powi(2) + other_error.powi(2);
+            (b * share + other, variance.sqrt())
+        });
+        film.non_finite_samples = direct.non_finite_samples + chains.counts.non_finite;
+        Cow::Owned(film)
+    }
+}
+
+impl Mutated<'_, '_> {
     /// One block: chains of their own, from starts of their own.
-    fn chains(&mut self, block: u64, samples_per_pixel: u64, report_share: &(dyn Fn(f64) + Sync)) {
-        if self.found_none_in.is_some() {
+    fn chains(&self, gathered: &mut Chains, block: &BlockOf, report_share: &(dyn Fn(f64) + Sync)) {
+        let (world, learned) = (self.world, self.learned);
+        if learned.found_none_in.is_some() {
             return;
         }
-        let world = self.world;
-        let key = mix(self.seed ^ mix(block ^ mix(Use::Chain as u64)));
-        let mutations = samples_per_pixel * self.film.pixels() as u64;
-        let count = (mutations / SEARCH_SHARE).clamp(SEARCH[0], SEARCH[1]).max(self.search_at_least);
-        let mut search = world.search(self.seed, block, count);
-        self.estimates.merge(&search.estimates);
+        let (seed, number) = (block.seed, u64::from(block.number));
+        let key = mix(seed ^ mix(number ^ mix(Use::Chain as u64)));
+        let mutations = u64::from(block.size) * gathered.direct.pixels() as u64;
+        let count = (mutations / SEARCH_SHARE).clamp(SEARCH[0], SEARCH[1]).max(learned.search_at_least);
+        let mut search = world.search(seed, number, count);
+        gathered.estimates.merge(&search.estimates);
         if search.found.len() < ENOUGH_FOUND {
-            search.extend(world.find(key, count, self.most_vertices));
+            search.extend(world.find(key, count, learned.most_vertices));
         }
         if search.found.is_empty() {
             // Nothing was found where a first search did find something: a block of weight zero.
             return;
         }
-        let starts =
-            world.starts(&search.found, CHAINS, &mut Numbers::of(&[self.seed, Use::Pick as u64, block]));
+        let starts = world.starts(&search.found, CHAINS, &mut Numbers::of(&[seed, Use::Pick as u64, number]));
         let mut chains: Vec<Chain<'_, '_>> = (0..)
             .zip(starts)
             .map(|(chain, start)| {
@@ -206,7 +323,7 @@ impl Run<'_, '_> {
         let length = |chain: u64| mutations / count + u64::from(chain < mutations % count);
         let longest = length(0);
         for first in (0..longest).step_by(STRETCH as usize) {
-            let film = &mut self.chain_film;
+            let film = &mut gathered.film;
             let merge = InOrder::new(|_, splats: Splats| film.add(&splats.pixels, &splats.values));
             chains.par_iter_mut().with_max_len(1).enumerate().for_each(|(index, chain)| {
                 let mut splats = Splats::default();
@@ -217,25 +334,10 @@ impl Run<'_, '_> {
             report_share((first + STRETCH).min(longest) as f64 / longest as f64);
         }
         for chain in chains {
-            self.counts.merge(&chain.counts);
-            self.estimates.merge(&chain.estimates);
-            self.convergence.add(chain.blocks);
+            gathered.counts.merge(&chain.counts);
+            gathered.estimates.merge(&chain.estimates);
+            gathered.convergence.add(chain.blocks);
         }
-        self.chain_film.finish_block(samples_per_pixel, search.estimates.mean());
-    }
-
-    /// The picture so far: what the chains left times the normalisation, and direct light.
-    fn picture(&self) -> Film {
-        let b = if self.estimates.found > 0 { self.estimates.mean() } else { 0.0 };
-        let b_error = if self.estimates.found > 0 { self.estimates.standard_error() } else { 0.0 };
-        let mut film = self.film.map(|pixel, channel, _, _| {
-            let direct = self.direct.film();
-            let (share, error) = self.chain_film.share(pixel, channel);
-            let (other, other_error) = (direct.mean(pixel, channel), direct.standard_error(pixel, channel));
-            let variance = (b * error).powi(2) + (share * b_error).powi(2) + other_error.powi(2);
-            (b * share + other, variance.sqrt())
-        });
-        film.non_finite_samples = self.direct.film().non_finite_samples + self.counts.non_finite;
-        film
+        gathered.film.finish_block(u64::from(block.size), search.estimates.mean());
     }
 }

@@ -4,10 +4,10 @@ use super::mutation::Mutation;
 use super::normalisation::Estimates;
 use super::path::Path;
 use super::world::World;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What happened to each mutation of a chain.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Counts {
     by_mutation: [Count; Mutation::ALL.len()],
     /// Paths whose worth was not a number.
@@ -16,7 +16,7 @@ pub struct Counts {
     pub longest_rejection: u64,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Count {
     proposed: u64,
     complete: u64,
@@ -103,7 +103,7 @@ pub struct MutationRow {
 const SIDE: usize = 4;
 
 /// How often a chain was in each block of the picture.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Blocks {
     turns: u64,
     sums: [f64; SIDE * SIDE],
@@ -142,7 +142,7 @@ impl Blocks {
 }
 
 /// Whether chains that should have seen the same picture did.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Convergence {
     chains: Vec<Blocks>,
 }
@@ -151,6 +151,11 @@ impl Convergence {
     /// Adds a chain.
     pub fn add(&mut self, chain: Blocks) {
         self.chains.push(chain);
+    }
+
+    /// Adds the chains of another half of the run.
+    pub fn extend(&mut self, other: &Self) {
+        self.chains.extend_from_slice(&other.chains);
     }
 
     /// The largest potential scale reduction over the blocks of the picture (Gelman and Rubin

@@ -5,7 +5,7 @@
 //! light tracing and bidirectional path tracing are three lists of strategies.
 
 /// A list of strategies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Strategies {
     /// s = 0: the subpath from the eye meets a light by itself.
     pub meets_lights: bool,

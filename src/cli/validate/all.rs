@@ -106,7 +106,7 @@ fn row(
 fn effort(case: &Case, arguments: &Arguments) -> Effort {
     let mut effort = arguments.effort.clone();
     if matches!(case.against, Against::Another(_)) {
-        effort = Effort { integrator: None, time: None, seed: 0, ..effort };
+        effort = Effort { integrator: None, error: None, time: None, seed: 0, ..effort };
     }
     effort
 }

@@ -4,7 +4,7 @@ use super::Arguments;
 use super::cases::{Against, Case};
 use super::photographs;
 use crate::cli::print;
-use crate::cli::render::render_to_files;
+use crate::cli::render::{Files, render_to_files};
 use etalon::error::{Error, Result};
 use etalon::image::Layers;
 use etalon::python::{Environment, PEERS, VALIDATION, project_root};
@@ -63,10 +63,10 @@ pub fn run(case: &Case, arguments: &Arguments) -> anyhow::Result<ExitCode> {
 /// scenes itself, under each basis function of the lamp, with this program.
 fn predict(case: &Case, cases: [&str; 2], arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let effort = &arguments.effort;
-    if effort.resolution.is_some() || effort.time.is_some() || effort.integrator.is_some() || effort.seed != 0
-    {
+    let is_open = effort.time.is_some() || effort.error.is_some();
+    if effort.resolution.is_some() || is_open || effort.integrator.is_some() || effort.seed != 0 {
         return Err(Error::new("a prediction takes --spp and --threads alone")
-            .hint("leave --resolution, --time, --integrator and --seed out")
+            .hint("leave --resolution, --error, --time, --integrator and --seed out")
             .into());
     }
     let photos = photographs::of_two(cases, &arguments.photo)?;
@@ -124,7 +124,8 @@ fn render(case: &Case, arguments: &Arguments) -> anyhow::Result<Rendered> {
     let view = effort.resize(scene.view()?);
     let (exr, png) = (output.join("render.exr"), output.join("render.png"));
     let spp = case.samples_per_pixel;
-    let facts = render_to_files(&scene, &view, &effort, spp, Layers::default(), &exr, Some(&png))?;
+    let files = Files { exr: &exr, png: Some(&png), layers: Layers::default(), keeping: None };
+    let facts = render_to_files(&scene, &view, &effort, spp, &files)?;
     let samples_per_pixel = facts.samples_per_pixel;
     print(&format!(
         "rendered {} with {samples_per_pixel} samples per pixel in {:.1} s",
