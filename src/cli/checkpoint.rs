@@ -94,14 +94,14 @@ impl Keeping {
                 || "no checkpoint yet, the run begins".to_owned(),
                 |state| format!("going on from {} samples per pixel", state.samples_per_pixel()),
             );
-            super::print(&format!("{}: {what}", file.display()));
+            super::notice(&format!("{}: {what}", file.display()));
         }
         let keeper = Keeper {
             file: file.clone(),
             interval: self.checkpoint_interval,
             identity,
             latest: Mutex::new(Instant::now()),
-            has_end: AtomicBool::new(false),
+            has_end: AtomicBool::new(from.as_ref().is_some_and(State::has_ended)),
         };
         Ok((from, Watch { bar: Bar::new(), keeper: Some(keeper) }))
     }
@@ -124,7 +124,7 @@ impl Watch {
     }
 
     /// Says of an error after the render that nothing is lost, if nothing is.
-    pub fn console(&self, error: Error) -> Error {
+    pub fn reassure(&self, error: Error) -> Error {
         match &self.keeper {
             Some(keeper) if keeper.has_end.load(Ordering::Relaxed) => {
                 let hint = error.hint.clone().unwrap_or_default();
@@ -157,12 +157,13 @@ impl Keeper {
     /// stays, and the next attempt may do better.
     fn keep(&self, state: &State, has_ended: bool) {
         let Ok(mut latest) = self.latest.lock() else { return };
-        if !has_ended && latest.elapsed() < self.interval {
+        let is_due = has_ended || latest.elapsed() >= self.interval;
+        if !is_due || self.has_end.load(Ordering::Relaxed) {
             return;
         }
         match checkpoint::write(&self.file, &self.identity, state) {
             Ok(()) => self.has_end.store(has_ended, Ordering::Relaxed),
-            Err(error) => eprintln!("warning: {error}; the render goes on"),
+            Err(error) => super::notice(&format!("warning: {error}; the render goes on")),
         }
         *latest = Instant::now();
     }

@@ -56,10 +56,23 @@ pub fn run() -> anyhow::Result<ExitCode> {
     }
 }
 
-/// Prints a line to standard output; a reader that has gone away ends the program quietly.
+/// Prints a line to standard output; a reader that has gone away ends the program quietly, a
+/// full disk does not.
 fn print(line: &str) {
-    use std::io::Write as _;
-    if writeln!(std::io::stdout(), "{line}").is_err() {
-        std::process::exit(0);
+    use std::io::{ErrorKind, Write as _};
+    match writeln!(std::io::stdout(), "{line}") {
+        Ok(()) => {}
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => std::process::exit(0),
+        Err(error) => {
+            notice(&format!("error: cannot write to standard output: {error}"));
+            std::process::exit(1);
+        }
     }
+}
+
+/// Prints a line to standard error, in the middle of work that it must not end: where it cannot
+/// be written, nobody reads it.
+fn notice(line: &str) {
+    use std::io::Write as _;
+    let _ = writeln!(std::io::stderr(), "{line}");
 }

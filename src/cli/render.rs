@@ -99,6 +99,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         write_report(report, &serde_json::json!({ "metropolis": nothing.outcome }))?;
     }
     let facts = rendered?;
+    if let Some(report) = &arguments.report {
+        write_report(report, &facts)?;
+    }
     let error =
         facts.relative_error.map_or_else(String::new, |e| format!(", relative error {:.2} %", 100.0 * e));
     super::print(&format!(
@@ -107,9 +110,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         facts.samples_per_pixel,
         facts.seconds
     ));
-    if let Some(report) = &arguments.report {
-        write_report(report, &facts)?;
-    }
     if let Some(outcome) = &facts.metropolis {
         tell(outcome);
     }
@@ -252,10 +252,10 @@ pub fn render_to_files(
     let camera = facts.camera.clone();
     let darkroom = Darkroom::new(&camera, &planes)?;
     facts.camera.saturated_pixels = darkroom.saturated_pixels();
-    write_exr(files.exr, &film, view, &facts, files.layers).map_err(|e| watch.console(e))?;
+    write_exr(files.exr, &film, view, &facts, files.layers).map_err(|e| watch.reassure(e))?;
     if let Some(png) = files.png {
         let label = Label { scene: &facts.scene, camera: &camera, tone: camera.tone };
-        write_developed(png, &darkroom, &label).map_err(|e| watch.console(e))?;
+        write_developed(png, &darkroom, &label).map_err(|e| watch.reassure(e))?;
     }
     Ok(facts)
 }

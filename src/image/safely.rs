@@ -24,10 +24,12 @@ pub fn write_whole(
     let name = path.file_name().ok_or_else(|| Error::new("the output path names no file").in_file(path))?;
     let temporary = path.with_file_name(format!(".{}.{}.part", name.to_string_lossy(), std::process::id()));
     let written = write_through(&temporary, write)
-        .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| reason(&e)));
+        .and_then(|()| std::fs::rename(&temporary, path).map_err(|e| e.to_string()));
     written.map_err(|reason| {
         // Nothing more can be done about a leftover that cannot be removed either.
         let _ = std::fs::remove_file(&temporary);
+        // What the system says, without its number.
+        let reason = reason.split(" (os error").next().unwrap_or_default();
         Error::new(format!("cannot write the {what}: {reason}"))
             .hint("check that the folder exists, may be written to and has room")
             .in_file(path)
@@ -41,7 +43,7 @@ pub fn write_whole(
 /// # Errors
 /// Those of [`write_whole`].
 pub fn write_text(path: &Path, what: &str, text: &str) -> Result<()> {
-    write_whole(path, what, |to| to.write_all(text.as_bytes()).map_err(|e| reason(&e)))
+    write_whole(path, what, |to| to.write_all(text.as_bytes()).map_err(|e| e.to_string()))
 }
 
 /// A file is renamed only when all of it is on the disk: else a power failure could leave the new
@@ -50,10 +52,10 @@ fn write_through(
     temporary: &Path,
     write: impl FnOnce(&mut Writer) -> std::result::Result<(), String>,
 ) -> std::result::Result<(), String> {
-    let mut writer = BufWriter::new(File::create(temporary).map_err(|e| reason(&e))?);
+    let mut writer = BufWriter::new(File::create(temporary).map_err(|e| e.to_string())?);
     write(&mut writer)?;
-    writer.flush().map_err(|e| reason(&e))?;
-    writer.get_ref().sync_all().map_err(|e| reason(&e))
+    writer.flush().map_err(|e| e.to_string())?;
+    writer.get_ref().sync_all().map_err(|e| e.to_string())
 }
 
 /// Has the folder remember the new name. A file system that cannot do that has the file
@@ -63,12 +65,6 @@ fn settle(path: &Path) {
     if let Ok(folder) = File::open(folder.unwrap_or_else(|| Path::new("."))) {
         let _ = folder.sync_all();
     }
-}
-
-/// What the system says, without its number.
-fn reason(error: &std::io::Error) -> String {
-    let text = error.to_string();
-    text.split(" (os error").next().unwrap_or_default().to_owned()
 }
 
 #[cfg(test)]
@@ -83,7 +79,7 @@ mod tests {
         write_text(&file, "report", "before").expect("written");
         let failed = write_whole(&file, "report", |to| {
             to.write_all(b"half of it").map_err(|e| e.to_string())?;
-            Err("No space left on device".to_owned())
+            Err("No space left on device (os error 28)".to_owned())
         });
         let message = failed.expect_err("it fails").to_string();
         assert!(

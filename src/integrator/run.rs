@@ -205,7 +205,17 @@ impl State {
             end_with(one, other);
             end_with(other, one);
         }
+        self.has_ended()
+    }
+
+    /// Whether nothing is left to be done.
+    pub fn has_ended(&self) -> bool {
         self.halves.iter().all(|half| half.verdict.is_some())
+    }
+
+    /// What the run has cost so far.
+    pub const fn spent(&self) -> Spent {
+        self.spent
     }
 
     /// Samples per pixel of all halves.

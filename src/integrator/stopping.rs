@@ -11,6 +11,10 @@
 //! and so on average over N. The picture is the mean of both halves with weights of one half
 //! each: weights that follow from the two N would depend on what they weigh.
 //!
+//! An error that is asked for is not promised: a half that has met none of the rare bright samples
+//! says too early that the other one may end. The error that the picture then states is that of
+//! its own samples, and right on average.
+//!
 //! What is lost is what the half that decides later takes beyond the other one's verdict:
 //! those samples decide and are not in the picture.
 
