@@ -5,6 +5,7 @@ use crate::record::Record;
 use etalon::camera::Film;
 use etalon::integrator::{Budget, Integrator, Progress, Silent};
 use etalon::scene::{Plan, Scene};
+use rayon::prelude::*;
 use serde_json::json;
 use std::borrow::Cow;
 use std::sync::Mutex;
@@ -15,7 +16,7 @@ const RENDERS: u64 = 1000;
 /// Relative error at which a render may end.
 const TARGET: f64 = 0.2;
 /// No run of the naive rule is longer.
-const MOST_SAMPLES: u64 = 16_384;
+const MOST_SAMPLES: u64 = 4096;
 /// Share of the picture that the spark covers.
 const COVERED: f64 = 1.0 / 256.0;
 /// Luminances in cd/m2: half of the picture's light comes from the spark.
@@ -87,15 +88,16 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
 pub fn ending_at_an_error_does_not_bend_the_mean(record: &mut Record) {
     let scene = spark();
     let truth = COVERED * SPARK + (1.0 - COVERED) * WALL;
-    let seeds = (0..record.samples(RENDERS)).map(|render| record.seed().wrapping_add(render << 32));
+    let seeds: Vec<u64> =
+        (0..record.samples(RENDERS)).map(|render| record.seed().wrapping_add(render << 32)).collect();
     let open = |seed| Budget { samples_per_pixel: u64::MAX, time: None, error: Some(TARGET), seed };
     let told = |seed| Budget { samples_per_pixel: MOST_SAMPLES, time: None, error: None, seed };
-    let ended: Vec<[f64; 2]> = seeds.clone().map(|seed| render(&scene, &open(seed), &Silent)).collect();
-    let naive: Vec<[f64; 2]> = seeds
-        .take(RENDERS as usize)
+    let ended: Vec<[f64; 2]> = seeds.par_iter().map(|seed| render(&scene, &open(*seed), &Silent)).collect();
+    let naive: Vec<[f64; 2]> = seeds[..RENDERS as usize]
+        .par_iter()
         .map(|seed| {
             let rule = Naive::default();
-            let whole = render(&scene, &told(seed), &rule);
+            let whole = render(&scene, &told(*seed), &rule);
             rule.taken.into_inner().expect("no thread panicked").unwrap_or(whole)
         })
         .collect();
