@@ -151,7 +151,10 @@ pub fn render(
     let direct_light = (0..film.pixels()).any(|pixel| run.direct.film().mean(pixel, 1) > 0.0);
     // Chains without a level are no picture.
     let found_none_in = run.found_none_in.or((run.estimates.found == 0).then_some(run.estimates.paths));
-    let report = found_none_in.is_none().then(|| Report::of(&run.counts, &run.estimates, &run.convergence));
+    let report = found_none_in.is_none().then(|| {
+        let unit = f64::from(run.world.light_unit);
+        Report::of(&run.counts, &run.estimates, &run.convergence, unit)
+    });
     let found_none_in = found_none_in.filter(|_| !scene.lights.is_empty());
     let outcome = Outcome { report, found_none_in, direct_light };
     Rendering { film, elapsed: started.elapsed(), metropolis: Some(outcome) }
@@ -226,8 +229,9 @@ impl Run<'_, '_> {
 
     /// The picture so far: what the chains left times the normalisation, and direct light.
     fn picture(&self) -> Film {
-        let b = if self.estimates.found > 0 { self.estimates.mean() } else { 0.0 };
-        let b_error = if self.estimates.found > 0 { self.estimates.standard_error() } else { 0.0 };
+        let unit = f64::from(self.world.light_unit);
+        let b = if self.estimates.found > 0 { unit * self.estimates.mean() } else { 0.0 };
+        let b_error = if self.estimates.found > 0 { unit * self.estimates.standard_error() } else { 0.0 };
         let mut film = self.film.map(|pixel, channel, _, _| {
             let direct = self.direct.film();
             let (share, error) = self.chain_film.share(pixel, channel);

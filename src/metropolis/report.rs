@@ -223,15 +223,15 @@ pub struct Report {
 }
 
 impl Report {
-    /// The report of a run.
-    pub fn of(counts: &Counts, estimates: &Estimates, convergence: &Convergence) -> Self {
+    /// The report of a run whose estimates are in a unit of radiance.
+    pub fn of(counts: &Counts, estimates: &Estimates, convergence: &Convergence, unit: f64) -> Self {
         let rows = counts.rows();
         let scale_reduction = convergence.scale_reduction();
         Self {
             chains: convergence.chains(),
             mutations: rows.iter().map(|row| row.proposed).sum(),
-            normalisation: if estimates.found > 0 { estimates.mean() } else { 0.0 },
-            normalisation_ci95: estimates.interval(),
+            normalisation: if estimates.found > 0 { unit * estimates.mean() } else { 0.0 },
+            normalisation_ci95: estimates.interval().map(|end| unit * end),
             fresh_paths: estimates.paths,
             fresh_paths_found: estimates.found,
             longest_rejection: counts.longest_rejection,

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 pub mod rooms;
+pub mod scaling;
 pub mod scenes;
 
 use etalon::camera::Sensor;
