@@ -153,7 +153,8 @@ pub fn render(
     let found_none_in = run.found_none_in.or((run.estimates.found == 0).then_some(run.estimates.paths));
     let report = found_none_in.is_none().then(|| {
         let unit = f64::from(run.world.light_unit);
-        Report::of(&run.counts, &run.estimates, &run.convergence, unit)
+        let share = run.chain_film.largest_share(&run.world.weights);
+        Report::of(&run.counts, &run.estimates, &run.convergence, unit, share)
     });
     let found_none_in = found_none_in.filter(|_| !scene.lights.is_empty());
     let outcome = Outcome { report, found_none_in, direct_light };

@@ -214,6 +214,9 @@ pub struct Report {
     pub fresh_paths_found: u64,
     /// Longest run of mutations that one path outlived, of those in a chain.
     pub longest_rejection: u64,
+    /// Largest share that one pixel has of what the chains left; one path that is hardly left
+    /// again makes it large.
+    pub largest_pixel_share: Option<f64>,
     /// Largest potential scale reduction between the chains over 16 blocks of the picture.
     pub scale_reduction: Option<f64>,
     /// Whether that is below 1.01.
@@ -223,8 +226,15 @@ pub struct Report {
 }
 
 impl Report {
-    /// The report of a run whose estimates are in a unit of radiance.
-    pub fn of(counts: &Counts, estimates: &Estimates, convergence: &Convergence, unit: f64) -> Self {
+    /// The report of a run whose estimates are in a unit of radiance, with the largest share of
+    /// a pixel.
+    pub fn of(
+        counts: &Counts,
+        estimates: &Estimates,
+        convergence: &Convergence,
+        unit: f64,
+        largest_pixel_share: Option<f64>,
+    ) -> Self {
         let rows = counts.rows();
         let scale_reduction = convergence.scale_reduction();
         Self {
@@ -235,6 +245,7 @@ impl Report {
             fresh_paths: estimates.paths,
             fresh_paths_found: estimates.found,
             longest_rejection: counts.longest_rejection,
+            largest_pixel_share,
             scale_reduction,
             mixed: scale_reduction.is_some_and(|reduction| reduction < MIXED),
             mutation_table: rows,
@@ -263,7 +274,11 @@ impl std::fmt::Display for Report {
             }
         };
         writeln!(f, "{} chains, scale reduction between them {mixing}", self.chains)?;
-        writeln!(f, "longest rejection run {} of {} mutations", self.longest_rejection, self.mutations)?;
+        write!(f, "longest rejection run {} of {} mutations", self.longest_rejection, self.mutations)?;
+        match self.largest_pixel_share {
+            Some(share) => writeln!(f, ", largest share of one pixel {:.2} %", 100.0 * share)?,
+            None => writeln!(f)?,
+        }
         writeln!(
             f,
             "{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>14}",

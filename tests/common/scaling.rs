@@ -9,6 +9,37 @@ const LENGTHS: [&str; 8] = ["center", "radius", "from", "to", "min", "max", "ver
 /// A scene with all lengths times `factor`. Radiance stays, so flux and intensity go with the
 /// square of it and absorption with its inverse; a lens grows with the scene, a pinhole need not.
 pub fn with_lengths(scene: &Value, factor: f64) -> Value {
+    let mut scene = with_coordinates(scene, factor);
+    for object in each(&mut scene["objects"]) {
+        scale_power(&mut object["emission"]["level"], factor * factor);
+        drop_nulls(&mut object["emission"]);
+        drop_nulls(object);
+    }
+    for light in each(&mut scene["lights"]) {
+        scale_power(&mut light["point"]["emission"]["level"], factor * factor);
+    }
+    if let Some(materials) = scene["materials"].as_object_mut() {
+        for material in materials.values_mut() {
+            let absorption = &mut material["dielectric"]["absorption_per_m"];
+            multiply(absorption, 1.0 / factor);
+            if let Some(values) = absorption.pointer_mut("/table/values") {
+                multiply(values, 1.0 / factor);
+            }
+            drop_nulls(&mut material["dielectric"]);
+            drop_nulls(material);
+        }
+    }
+    if !scene["camera"]["focus_distance"].is_null() {
+        ["focal_length_mm", "sensor_mm"].iter().for_each(|key| multiply(&mut scene["camera"][key], factor));
+    }
+    drop_nulls(&mut scene["camera"]);
+    drop_nulls(&mut scene);
+    scene
+}
+
+/// A scene with every number in its unit of length times `factor`: the same scene where the unit
+/// is smaller by as much.
+pub fn with_coordinates(scene: &Value, factor: f64) -> Value {
     let mut scene = scene.clone();
     for object in each(&mut scene["objects"]) {
         let is_file = scale_shape(&mut object["shape"], factor);
@@ -24,13 +55,9 @@ pub fn with_lengths(scene: &Value, factor: f64) -> Value {
             steps.insert(0, json!({ "scale": [factor, factor, factor] }));
         }
         object["transform"] = json!(steps);
-        scale_power(&mut object["emission"]["level"], factor * factor);
-        drop_nulls(&mut object["emission"]);
-        drop_nulls(object);
     }
     for light in each(&mut scene["lights"]) {
         multiply(&mut light["point"]["position"], factor);
-        scale_power(&mut light["point"]["emission"]["level"], factor * factor);
     }
     for meter in each(&mut scene["meters"]) {
         for kind in ["illuminance", "luminance"] {
@@ -38,24 +65,9 @@ pub fn with_lengths(scene: &Value, factor: f64) -> Value {
         }
         drop_nulls(meter);
     }
-    if let Some(materials) = scene["materials"].as_object_mut() {
-        for material in materials.values_mut() {
-            let absorption = &mut material["dielectric"]["absorption_per_m"];
-            multiply(absorption, 1.0 / factor);
-            if let Some(values) = absorption.pointer_mut("/table/values") {
-                multiply(values, 1.0 / factor);
-            }
-            drop_nulls(&mut material["dielectric"]);
-            drop_nulls(material);
-        }
+    for key in ["position", "look_at", "focus_distance"] {
+        multiply(&mut scene["camera"][key], factor);
     }
-    let camera = &mut scene["camera"];
-    let keys: &[&str] = if camera["focus_distance"].is_null() {
-        &["position", "look_at"]
-    } else {
-        &["position", "look_at", "focus_distance", "focal_length_mm", "sensor_mm"]
-    };
-    keys.iter().for_each(|key| multiply(&mut camera[key], factor));
     for key in ["lights", "meters", "camera"] {
         drop_nulls(&mut scene[key]);
     }

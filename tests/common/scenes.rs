@@ -125,7 +125,8 @@ pub fn many_lamps() -> Value {
         "frosted": { "dielectric": { "index": 1.5, "roughness_alpha": 0.15 } },
     });
     let spread = |i: u32, step: f64| (f64::from(i) * step).fract();
-    let at = |i: u32| [1.8 * spread(i, 0.618) - 0.9, 1.6 + 0.3 * spread(i, 0.414), 1.8 * spread(i, 0.732) - 0.9];
+    let at =
+        |i: u32| [1.8 * spread(i, 0.618) - 0.9, 1.6 + 0.3 * spread(i, 0.414), 1.8 * spread(i, 0.732) - 0.9];
     let mut things: Vec<Value> = (0..12).map(|i| lamp(sphere(at(i), 0.02), 3.0 + f64::from(i))).collect();
     let below = |i: u32| json!({ "disk": { "center": at(i), "normal": [0.1, -1, 0.2], "radius": 0.03 } });
     things.extend((12..20).map(|i| lamp(below(i), 5.0)));
