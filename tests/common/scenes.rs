@@ -40,6 +40,22 @@ pub fn diffuse() -> Value {
     room("diffuse", json!({}), vec![panel(0.5), block()])
 }
 
+/// A room that is lit through a crack in the lid of a lamp's box alone.
+pub fn crack() -> Value {
+    let mut json = diffuse();
+    let objects = json["objects"].as_array_mut().expect("objects");
+    let lid = |vertices: [[f64; 3]; 4]| json!({ "shape": { "quad": { "vertices": vertices } }, "material": "white" });
+    // The lamp hangs at 1.99 m; the lid under it leaves 16 mm by 10 cm free.
+    let (low, high, wide) = (-1.0, 1.0, 0.008);
+    for [x, z] in [[low, -wide], [wide, high]] {
+        objects.push(lid([[x, 1.9, low], [z, 1.9, low], [z, 1.9, high], [x, 1.9, high]]));
+    }
+    for [x, z] in [[low, -0.05], [0.05, high]] {
+        objects.push(lid([[-wide, 1.9, x], [wide, 1.9, x], [wide, 1.9, z], [-wide, 1.9, z]]));
+    }
+    json
+}
+
 /// A rough metal plate, and a rough glass ball above it.
 pub fn glossy() -> Value {
     let materials = json!({

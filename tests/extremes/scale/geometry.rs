@@ -34,14 +34,16 @@ pub fn spheres_a_hair_apart_are_both_found(record: &mut Record) {
     let mut numbers = Numbers::of(&[record.seed(), 50]);
     let (mut met, mut both) = (0_u64, 0_u64);
     for _ in 0..record.samples(100_000) {
-        let outer = geometry.intersect(&Ray::new(direction(&mut numbers) * 3.0, Vec3A::X));
+        let from = direction(&mut numbers) * 3.0;
+        let towards = (direction(&mut numbers) * 0.4 - from).normalize();
         // At the rim a ray may pass between the two.
-        let Some(outer) = outer.filter(|hit| hit.point.normal.x < -0.02) else { continue };
-        let inner = geometry.intersect(&outer.point.ray_along(Vec3A::X));
+        let outer = geometry.intersect(&Ray::new(from, towards));
+        let Some(outer) = outer.filter(|hit| hit.point.normal.dot(towards) < -0.02) else { continue };
+        let inner = geometry.intersect(&outer.point.ray_along(towards));
         met += 1;
         both += u64::from(outer.object == 1 && inner.is_some_and(|hit| hit.object == 0));
     }
-    record.at_least("rays that meet the outer sphere", met as f64, 1000.0);
+    record.at_least("rays that meet the outer sphere", met as f64, 50_000.0);
     record.exactly("of them those that meet the inner one behind it", both, met);
 }
 
