@@ -523,28 +523,6 @@ fn lamp_in_a_box(folder: &Path, reflectance: f64) -> PathBuf {
     file
 }
 
-/// Where chains find no light at all there is no picture, and the message says how rare light
-/// may still be.
-#[test]
-fn no_light_found_is_no_black_picture() {
-    let folder = folder("nothing");
-    let scene = lamp_in_a_box(&folder, 0.5);
-    let output = folder.join("out.exr");
-    let fixed = ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), output.as_os_str()];
-    let report = folder.join("report.json");
-    let options = ["--spp", "1", "--integrator", "mlt", "--report"].map(AsRef::as_ref);
-    let run = etalon(fixed.into_iter().chain(options).chain([report.as_os_str()]));
-    assert_eq!(run.status.code(), Some(4), "{}", text(&run.stderr));
-    let message = text(&run.stderr);
-    let facts: Value =
-        serde_json::from_str(&std::fs::read_to_string(&report).expect("written")).expect("JSON");
-    let paths = facts["metropolis"]["found_none_in"].as_u64().expect("a number");
-    let said =
-        format!("found none in {paths} paths; hit probability below {:.1e} at 95 %", 3.0 / paths as f64);
-    assert!(message.contains(&said) && paths > 1_000_000, "{message}");
-    assert!(message.lines().count() == 1 && !output.exists(), "{message}");
-}
-
 /// The report of a run with chains: the level with its interval, and every mutation.
 #[test]
 fn chains_report_on_themselves() {

@@ -186,7 +186,8 @@ fn paths_are_judged_from_their_vertices() {
             let target: f64 = recorded.iter().zip(&world.weights).map(|(v, weight)| v.abs() * weight).sum();
             // Other wavelengths share the path by the density that they would make it with.
             if !plan.lanes_differ && target.is_finite() {
-                compared.push((path.ln_estimate().exp(), target / ln_fresh.exp()));
+                let estimate = path.ln_estimate().exp() * f64::from(world.light_unit);
+                compared.push((estimate, target / ln_fresh.exp()));
             }
             // What the whole path counts is in 32 bits, and dim wavelengths leave their range.
             for (share, v) in path.channels.iter().zip(&recorded).filter(|(_, v)| (1e-30..1e30).contains(*v))

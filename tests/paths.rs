@@ -5,6 +5,7 @@
 
 mod common;
 
+use common::contributions::each_contribution;
 use common::rooms::rooms;
 use etalon::camera::Sensor;
 use etalon::integrator::{Draw, Tracer};
@@ -19,72 +20,11 @@ const ROUNDING: f64 = 2e-3;
 /// paths nothing is left but rounding.
 const NOTHING: f64 = 1e-5;
 
-/// The vertices of a contribution from the light on.
-fn vertices(found: &Contribution, paths: &Subpaths) -> Option<Vec<Vertex>> {
-    let mut light: Vec<Vertex> = paths.light.iter().take(found.s).copied().collect();
-    let mut eye: Vec<Vertex> = paths.eye.iter().take(found.t).copied().collect();
-    let any = *paths.eye.first()?;
-    if found.s == 1 {
-        let end = found.end?;
-        let (light_index, primitive) = end.light?;
-        light = vec![Vertex {
-            point: end.point,
-            kind: Kind::Light { light: light_index, primitive },
-            is_delta: false,
-            ..any
-        }];
-    } else if found.t == 1 {
-        eye = vec![Vertex { point: found.end?.point, ..any }];
-    } else if found.t == 0 {
-        light.truncate(found.s - 1);
-        light.push(Vertex { point: found.end?.point, is_delta: false, ..any });
-    }
-    if found.s > 0 && found.t > 0 {
-        light.last_mut()?.is_delta = false;
-    }
-    if let Some(last) = eye.last_mut() {
-        last.is_delta = false;
-    }
-    Some(light.into_iter().chain(eye.into_iter().rev()).collect())
-}
-
-/// Calls `check` for every contribution of a number of samples.
-fn each_contribution(
-    scene: &Scene,
-    strategies: Strategies,
-    samples: u32,
-    mut check: impl for<'a> FnMut(&Contribution, &Subpaths, Whole<'a, '_>, &Plan),
-) {
-    let view = scene.view().expect("a camera");
-    let mut plan = Plan::of(scene, &Sensor::cie(), Strategies::ALL);
-    plan.strategies = strategies;
-    let tracer = Tracer::new(scene, &plan, Eye::Camera(&view.camera));
-    let eye = Eye::Camera(&view.camera);
-    let numbers = BlockSampler::new(3, 0, 0, samples);
-    for index in 0..samples {
-        let sampler = numbers.sample(index);
-        let wavelengths = plan.wavelengths.sample(sampler.single(Stream::Wavelength, 0));
-        let [x, y] = sampler.pair(Stream::Pixel, 0).map(f64::from);
-        let draw = Draw { position: [6.0 * x, 4.0 * y], wavelengths: &wavelengths, sampler: &sampler };
-        let (mut paths, mut found) = (Subpaths::default(), Vec::new());
-        tracer.trace(&draw, &mut paths, &mut |contribution| found.push(*contribution));
-        for contribution in found {
-            // Which point of a wide lens (1, 1) was joined to is not told.
-            if (contribution.s, contribution.t) == (1, 1) && eye.has_aperture() {
-                continue;
-            }
-            let vertices = vertices(&contribution, &paths).expect("a whole path");
-            let whole = Whole::new(scene, &eye, &wavelengths, vertices).expect("the first vertex shines");
-            check(&contribution, &paths, whole, &plan);
-        }
-    }
-}
-
 #[test]
 fn contributions_are_value_over_density() {
     for (name, scene) in rooms() {
         let mut compared: Vec<(String, [f64; LANES], [f64; LANES])> = Vec::new();
-        each_contribution(&scene, Strategies::ALL, 1 << 10, |found, paths, whole, _| {
+        each_contribution(&scene, Strategies::ALL, (1 << 10, 3), |found, paths, whole, _| {
             // Roulette on the last step to the lens is not kept.
             if found.t == 0 {
                 return;
@@ -131,7 +71,7 @@ fn weights_are_those_of_the_whole_path() {
         for (list, strategies) in lists() {
             // Close to one, where most weights are, or relative to what little is left.
             let (mut seen, mut sum, mut exact) = (std::collections::BTreeSet::new(), 0.0, 0.0);
-            each_contribution(&scene, strategies, 1 << 8, |found, _, whole, plan| {
+            each_contribution(&scene, strategies, (1 << 8, 3), |found, _, whole, plan| {
                 let weights = whole.weights(&plan.strategies);
                 let (fast, slow) = (f64::from(found.weight), weights[found.s]);
                 assert!(

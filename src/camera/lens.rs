@@ -99,6 +99,27 @@ impl Camera {
         camera
     }
 
+    /// The same camera with a part of its picture: `width` by `height` pixels from the one in
+    /// column `x` and row `y` on; `None` where that is empty or reaches outside.
+    pub fn cropped(&self, [x, y, width, height]: [u32; 4]) -> Option<Self> {
+        let corner = [x, y].map(f64::from);
+        let (whole, part) = (self.resolution, [width, height]);
+        for axis in 0..2 {
+            let end = [x, y][axis].checked_add(part[axis])?;
+            if part[axis] == 0 || end > whole[axis] {
+                return None;
+            }
+        }
+        let mut camera = self.clone();
+        for axis in 0..2 {
+            let [whole, part] = [whole[axis], part[axis]].map(f64::from);
+            camera.half_extent[axis] *= part / whole;
+            camera.principal_point_px[axis] += 0.5 * (whole - part) - corner[axis];
+        }
+        camera.resolution = part;
+        Some(camera)
+    }
+
     /// The ray through a picture position in pixels (from the top left corner) and, with an
     /// aperture, through the point of the lens that `u_lens` in [0, 1)^2 names.
     pub fn ray(&self, pixel: [f64; 2], u_lens: [f32; 2]) -> Ray {
@@ -272,6 +293,22 @@ mod tests {
         let [a, b] = camera.half_extent.map(f64::atan);
         let truth = 4.0 * (a.sin() * b.sin()).asin();
         assert!((sum / count / truth - 1.0).abs() < 1e-5, "{} against {truth}", sum / count);
+    }
+
+    #[test]
+    fn a_part_of_the_picture_sees_what_the_whole_sees_there() {
+        let whole = Camera { principal_point_px: [1.5, -0.5], ..camera(None) };
+        let part = whole.cropped([3, 7, 5, 11]).expect("inside");
+        assert_eq!(part.resolution(), [5, 11]);
+        for (x, y) in [(0.25, 0.5), (4.9, 10.1), (2.5, 3.75)] {
+            let (ours, theirs) =
+                (part.ray([x, y], [0.0; 2]).direction, whole.ray([x + 3.0, y + 7.0], [0.0; 2]).direction);
+            assert!((ours - theirs).length() < 1e-6, "{ours} against {theirs}");
+        }
+        assert!(whole.cropped([0, 0, 40, 20]).is_some());
+        for outside in [[0, 0, 41, 20], [39, 0, 2, 1], [0, 19, 1, 2], [3, 3, 0, 1], [u32::MAX, 0, 1, 1]] {
+            assert!(whole.cropped(outside).is_none(), "{outside:?}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::arguments::Effort;
 use super::checkpoint::Keeping;
 use super::strategies;
 use clap::Args;
-use etalon::camera::{Darkroom, planes};
+use etalon::camera::{Camera, Darkroom, planes};
 use etalon::error::{Error, Result};
 use etalon::image::checkpoint::Identity;
 use etalon::image::{
@@ -43,6 +43,9 @@ pub struct Arguments {
     /// contact sheet, for paths of up to 7 vertices
     #[arg(long, value_name = "DIR", conflicts_with_all = ["time", "error"])]
     strategies: Option<PathBuf>,
+    /// Render a part of the picture alone: X,Y,WIDTH,HEIGHT in pixels from the top left corner
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
+    crop: Option<[u32; 4]>,
     /// Do not render, and exit with code 3, where light of some paths cannot be found
     #[arg(long)]
     strict: bool,
@@ -72,6 +75,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     arguments.effort.start_threads()?;
     let scene = Scene::load(&arguments.scene)?;
     let mut view = arguments.effort.resize(scene.view().map_err(|e| e.in_file(&arguments.scene))?);
+    if let Some(part) = arguments.crop {
+        view.camera = cropped(&view, part)?;
+    }
     if let Some(count) = arguments.spectral_layers {
         view.sensor = view.sensor.with_spectral_layers(usize::from(count));
     }
@@ -121,6 +127,23 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         super::print(&format!("{}: every strategy by itself and weighted", sheet.display()));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn crop(text: &str) -> std::result::Result<[u32; 4], String> {
+    let numbers: std::result::Result<Vec<u32>, _> = text.split(',').map(str::parse).collect();
+    let explain = || "give column, row, width and height as in 100,80,64,48".to_owned();
+    numbers.ok().and_then(|numbers| numbers.try_into().ok()).ok_or_else(explain)
+}
+
+fn cropped(view: &View, part: [u32; 4]) -> Result<Camera> {
+    view.camera.cropped(part).ok_or_else(|| {
+        let [width, height] = view.camera.resolution();
+        let [x, y, w, h] = part;
+        Error::new(format!(
+            "--crop {x},{y},{w},{h} is empty or reaches outside the picture of {width} x {height} pixels"
+        ))
+        .hint("give the column and the row of its top left pixel, then its width and height")
+    })
 }
 
 fn write_report(file: &Path, report: &impl serde::Serialize) -> anyhow::Result<()> {

@@ -6,7 +6,7 @@
 //! arithmetic, so that no box is missed whose contents are met.
 
 use super::builder::Parts;
-use super::{Bounds, Frame, Hit, Meeting, PreciseRay, Primitive, Ray, precise::round_up};
+use super::{Bounds, Frame, Hit, Meeting, PreciseRay, Primitive, Ray, SurfacePoint, precise::round_up};
 use glam::{DVec3, UVec2, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -108,6 +108,18 @@ impl Geometry {
             if met { ControlFlow::Break(()) } else { ControlFlow::Continue(ray.t_max) }
         });
         met
+    }
+
+    /// Every primitive that `ray` meets, in any order, and the point where.
+    pub(super) fn meet_all(&self, ray: &Ray, mut each: impl FnMut(u32, SurfacePoint)) {
+        let precise = PreciseRay::new(ray);
+        self.walk(ray, |slot| {
+            if let Some(meeting) = self.meet(slot, &precise) {
+                let Slot { primitive, id, .. } = &self.slots[slot as usize];
+                each(*id, primitive.point(&precise, &meeting));
+            }
+            ControlFlow::Continue(ray.t_max)
+        });
     }
 
     /// Number of objects.

@@ -11,6 +11,7 @@ mod accelerate;
 mod blueprint;
 mod bounds;
 mod builder;
+mod coincident;
 mod error;
 mod frame;
 mod mesh;

@@ -68,6 +68,16 @@ impl ChainFilm {
         self.blocks += 1;
     }
 
+    /// The largest share that one pixel has of what chains left, all channels together: weights
+    /// of the channels as in the target function. `None` where they left nothing.
+    pub fn largest_share(&self, weights: &[f64]) -> Option<f64> {
+        let pixels = self.sums.chunks_exact(self.channels);
+        let values =
+            pixels.map(|sums| sums.iter().zip(weights).map(|(sum, weight)| sum * weight).sum::<f64>());
+        let all: f64 = values.clone().sum();
+        (all > 0.0).then(|| values.fold(0.0, f64::max) / all)
+    }
+
     /// Share of the normalisation that a pixel's channel has, and its standard error: NaN while
     /// only one block is there. Zero before the first.
     ///

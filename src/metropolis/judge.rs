@@ -120,8 +120,8 @@ impl Path {
         })
     }
 
-    /// Radiance times the eye's response along the path, over a factor of which the logarithm
-    /// comes with it; `None` where it is nothing.
+    /// Radiance in the world's unit times the eye's response along the path, over a factor of
+    /// which the logarithm comes with it; `None` where it is nothing.
     fn value(&self, world: &World<'_>, sight_pdf: f64) -> Option<(Spectrum, f64)> {
         let last = self.count() - 1;
         let Kind::Light { light, .. } = self.nodes[0].kind else { return None };
@@ -132,7 +132,7 @@ impl Path {
                 f64::from(u8::from(area.shines(self.nodes[0].point.normal, self.directions[0])))
             }
         };
-        let mut value = light.emission(&self.wavelengths);
+        let mut value = light.emission(&self.wavelengths) * (1.0 / world.light_unit);
         let mut ln = (share * f64::from(world.eye.response()) * sight_pdf * world.eye.pdf_area()).ln();
         let mut media = world.eye_media;
         for index in (1..=last).rev() {

@@ -42,7 +42,7 @@ pub struct Path {
     pub channels: Vec<f64>,
     /// Whether its worth was not a number when it was judged.
     pub(super) is_faulty: bool,
-    /// Logarithm of the target function.
+    /// Logarithm of the target function, in the unit of [`super::World::light_unit`].
     pub ln_target: f64,
     /// Logarithm of the density with which a fresh path is this one, for the hero.
     pub ln_fresh: f64,

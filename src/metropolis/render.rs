@@ -157,7 +157,7 @@ pub(crate) fn go_on(
         Mutated { world: &world, learned: &learned, direct, per_direct: PER_DIRECT[usize::from(!is_seen)] };
     let mut state = from.unwrap_or_else(|| State::begin(&source, budget, &clock, Some(learned.clone())));
     state.run(&source, budget, &clock, progress);
-    let outcome = outcome(scene, &learned, &state);
+    let outcome = outcome(&world, &learned, &state);
     state.finish(&source, Some(outcome))
 }
 
@@ -206,7 +206,11 @@ const fn direct_seed(seed: u64) -> u64 {
 }
 
 /// What a run says about itself: all that enters the picture, taken together.
-fn outcome(scene: &Scene, learned: &Learned, state: &State) -> Outcome {
+fn outcome(world: &World<'_>, learned: &Learned, state: &State) -> Outcome {
+    let shares = state.estimates().filter_map(|gathered| {
+        gathered.chains.as_ref().and_then(|chains| chains.film.largest_share(&world.weights))
+    });
+    let largest_pixel_share = shares.reduce(f64::max);
     let mut halves = state.estimates().filter_map(|gathered| gathered.chains.as_ref());
     let is_seen = |chains: &Chains| {
         let direct = &chains.direct;
@@ -220,8 +224,11 @@ fn outcome(scene: &Scene, learned: &Learned, state: &State) -> Outcome {
     }
     // Chains without a level are no picture.
     let found_none_in = learned.found_none_in.or((all.estimates.found == 0).then_some(all.estimates.paths));
-    let report = found_none_in.is_none().then(|| Report::of(&all.counts, &all.estimates, &all.convergence));
-    let found_none_in = found_none_in.filter(|_| !scene.lights.is_empty());
+    let report = found_none_in.is_none().then(|| {
+        let unit = f64::from(world.light_unit);
+        Report::of(&all.counts, &all.estimates, &all.convergence, unit, largest_pixel_share)
+    });
+    let found_none_in = found_none_in.filter(|_| !world.scene.lights.is_empty());
     Outcome { report, found_none_in, direct_light }
 }
 
@@ -277,8 +284,9 @@ impl Source for Mutated<'_, '_> {
             return Cow::Borrowed(&gathered.film);
         };
         let estimates = &chains.estimates;
-        let b = if estimates.found > 0 { estimates.mean() } else { 0.0 };
-        let b_error = if estimates.found > 0 { estimates.standard_error() } else { 0.0 };
+        let unit = f64::from(self.world.light_unit);
+        let b = if estimates.found > 0 { unit * estimates.mean() } else { 0.0 };
+        let b_error = if estimates.found > 0 { unit * estimates.standard_error() } else { 0.0 };
         let direct = &chains.direct;
         let mut film = film.map(|pixel, channel, _, _| {
             let (share, error) = chains.film.share(pixel, channel);

@@ -219,6 +219,9 @@ pub struct Report {
     pub fresh_paths_found: u64,
     /// Longest run of mutations that one path outlived, of those in a chain.
     pub longest_rejection: u64,
+    /// Largest share that one pixel has of what the chains left; one path that is hardly left
+    /// again makes it large.
+    pub largest_pixel_share: Option<f64>,
     /// Largest potential scale reduction between the chains over 16 blocks of the picture.
     pub scale_reduction: Option<f64>,
     /// Whether that is below 1.01.
@@ -228,18 +231,26 @@ pub struct Report {
 }
 
 impl Report {
-    /// The report of a run.
-    pub fn of(counts: &Counts, estimates: &Estimates, convergence: &Convergence) -> Self {
+    /// The report of a run whose estimates are in a unit of radiance, with the largest share of
+    /// a pixel.
+    pub fn of(
+        counts: &Counts,
+        estimates: &Estimates,
+        convergence: &Convergence,
+        unit: f64,
+        largest_pixel_share: Option<f64>,
+    ) -> Self {
         let rows = counts.rows();
         let scale_reduction = convergence.scale_reduction();
         Self {
             chains: convergence.chains(),
             mutations: rows.iter().map(|row| row.proposed).sum(),
-            normalisation: if estimates.found > 0 { estimates.mean() } else { 0.0 },
-            normalisation_ci95: estimates.interval(),
+            normalisation: if estimates.found > 0 { unit * estimates.mean() } else { 0.0 },
+            normalisation_ci95: estimates.interval().map(|end| unit * end),
             fresh_paths: estimates.paths,
             fresh_paths_found: estimates.found,
             longest_rejection: counts.longest_rejection,
+            largest_pixel_share,
             scale_reduction,
             mixed: scale_reduction.is_some_and(|reduction| reduction < MIXED),
             mutation_table: rows,
@@ -268,7 +279,11 @@ impl std::fmt::Display for Report {
             }
         };
         writeln!(f, "{} chains, scale reduction between them {mixing}", self.chains)?;
-        writeln!(f, "longest rejection run {} of {} mutations", self.longest_rejection, self.mutations)?;
+        write!(f, "longest rejection run {} of {} mutations", self.longest_rejection, self.mutations)?;
+        match self.largest_pixel_share {
+            Some(share) => writeln!(f, ", largest share of one pixel {:.2} %", 100.0 * share)?,
+            None => writeln!(f)?,
+        }
         writeln!(
             f,
             "{:<16}{:>12}{:>12}{:>12}{:>12}{:>12}{:>14}",

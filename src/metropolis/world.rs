@@ -2,6 +2,7 @@
 
 use super::lengths::Lengths;
 use crate::camera::Sensor;
+use crate::light::Light;
 use crate::path::{Eye, Media};
 use crate::scene::{Plan, Scene, View};
 use crate::spectrum::{GRID_POINTS, LANES};
@@ -25,6 +26,34 @@ pub struct World<'a> {
     pub lengths: Lengths,
     /// Width and height of the picture in pixels.
     pub resolution: [u32; 2],
+    /// The unit of radiance in which targets are stated, in W sr^-1 m^-2 nm^-1: a power of two.
+    pub light_unit: f32,
+}
+
+/// Exponents of two between which a unit and its inverse are normal numbers.
+const UNIT_EXPONENTS: std::ops::RangeInclusive<i32> = -126..=126;
+
+/// The power of two that brings the brightest emission of a scene to between one and two.
+///
+/// Chains decide by logarithms, which round otherwise under brighter lamps; in this unit a
+/// scene whose lamps are all scaled by a power of two is the same scene, bit for bit.
+fn light_unit(scene: &Scene) -> f32 {
+    let brightest = |light: &Light| {
+        let emission = match light {
+            Light::Point(light) => &light.intensity,
+            Light::Area(light) => light.radiance(),
+        };
+        let lines = emission.lines().map(|(_, power)| power);
+        emission.at_grid_points().chain(lines).fold(0.0, f64::max)
+    };
+    let lights = (0..scene.lights.len()).map(|index| brightest(scene.lights.get(index as u32)));
+    let largest = lights.fold(0.0, f64::max);
+    if largest == 0.0 {
+        return 1.0;
+    }
+    // The exponent from the bits: a logarithm may round up to the next one.
+    let exponent = (largest.to_bits() >> 52) as i32 - 1023;
+    2.0_f32.powi(exponent.clamp(*UNIT_EXPONENTS.start(), *UNIT_EXPONENTS.end()))
 }
 
 impl<'a> World<'a> {
@@ -47,6 +76,7 @@ impl<'a> World<'a> {
             weights: view.sensor.channels.iter().map(|channel| weight(integral(channel))).collect(),
             lengths: Lengths::unknown(plan.strategies),
             resolution: view.camera.resolution(),
+            light_unit: light_unit(scene),
         }
     }
 

@@ -162,6 +162,16 @@ impl<'a, 'e> Whole<'a, 'e> {
         sum
     }
 
+    /// Densities for the hero of every vertex, for a walk from the light and for one from the
+    /// eye; and that of the light's vertex where its neighbour asks for it.
+    pub fn vertex_densities(&self) -> (Vec<[f64; 2]>, f64) {
+        let hero = |(lanes, factor): (Spectrum, f64)| f64::from(lanes.hero()) * factor;
+        let each = |index: usize| {
+            [hero(self.drawn_from_light(index, self.count())), hero(self.drawn_from_eye(index))]
+        };
+        ((0..self.count()).map(each).collect(), hero(self.drawn_from_light(0, 1)))
+    }
+
     /// Density of a vertex for a subpath of `vertices` from the light.
     fn drawn_from_light(&self, index: usize, vertices: usize) -> (Spectrum, f64) {
         let lights = &self.scene.lights;
@@ -202,6 +212,11 @@ impl<'a, 'e> Whole<'a, 'e> {
             Some((_, pdf, delta)) => (pdf, delta * self.per_area(at, to)),
             None => (Spectrum::ZERO, 0.0),
         }
+    }
+
+    /// Whether light is scattered at a vertex by a Dirac delta.
+    pub fn is_delta(&self, index: usize) -> bool {
+        self.vertices[index].is_delta
     }
 
     /// Whether a strategy of a list can make the path at all.

@@ -44,6 +44,8 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
     if dropped > 0 {
         spectra.note(format!("{dropped} triangles without area were left out"));
     }
+    super::siting::remarks(&stage.geometry, &objects).into_iter().for_each(|remark| spectra.note(remark));
+    super::siting::check_bodies(&stage.geometry, &objects, &materials)?;
     let mut hash = Fnv::default();
     hash.add(text.as_bytes());
     spectra.files_read.iter().for_each(|(_, text)| hash.add(text.as_bytes()));

@@ -10,6 +10,7 @@ mod objects;
 mod plan;
 mod reach;
 mod read;
+mod siting;
 mod spectra;
 mod view;
 

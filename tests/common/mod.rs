@@ -1,7 +1,11 @@
 //! What the tests share: scenes from text, readings, and the judgement of a statistical one.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub mod alone;
+pub mod contributions;
+pub mod program;
 pub mod rooms;
+pub mod scaling;
 pub mod scenes;
 
 use etalon::camera::Sensor;

@@ -40,6 +40,22 @@ pub fn diffuse() -> Value {
     room("diffuse", json!({}), vec![panel(0.5), block()])
 }
 
+/// A room that is lit through a crack in the lid of a lamp's box alone.
+pub fn crack() -> Value {
+    let mut json = diffuse();
+    let objects = json["objects"].as_array_mut().expect("objects");
+    let lid = |vertices: [[f64; 3]; 4]| json!({ "shape": { "quad": { "vertices": vertices } }, "material": "white" });
+    // The lamp hangs at 1.99 m; the lid under it leaves 16 mm by 10 cm free.
+    let (low, high, wide) = (-1.0, 1.0, 0.008);
+    for [x, z] in [[low, -wide], [wide, high]] {
+        objects.push(lid([[x, 1.9, low], [z, 1.9, low], [z, 1.9, high], [x, 1.9, high]]));
+    }
+    for [x, z] in [[low, -0.05], [0.05, high]] {
+        objects.push(lid([[-wide, 1.9, x], [wide, 1.9, x], [wide, 1.9, z], [-wide, 1.9, z]]));
+    }
+    json
+}
+
 /// A rough metal plate, and a rough glass ball above it.
 pub fn glossy() -> Value {
     let materials = json!({
@@ -114,6 +130,35 @@ pub fn point_light() -> Value {
     let ball = object(sphere([-0.4, 0.4, 0.3], 0.35), "silver");
     let mut scene = room("point-light", materials, vec![block(), ball]);
     scene["lights"] = json!([{ "point": { "position": [0.1, 1.5, -0.1], "emission": daylight(400.0) } }]);
+    scene
+}
+
+/// Lamps of every kind, enough of them for a hierarchy, and round and rough things below.
+pub fn many_lamps() -> Value {
+    let materials = json!({
+        "brass": { "conductor": { "metal": { "n": 0.5, "k": 2.5 }, "roughness_alpha": 0.2 } },
+        "tinted": { "dielectric": { "index": "n-bk7", "absorption_per_m": 0.8 } },
+        "frosted": { "dielectric": { "index": 1.5, "roughness_alpha": 0.15 } },
+    });
+    let spread = |i: u32, step: f64| (f64::from(i) * step).fract();
+    let at =
+        |i: u32| [1.8 * spread(i, 0.618) - 0.9, 1.6 + 0.3 * spread(i, 0.414), 1.8 * spread(i, 0.732) - 0.9];
+    let mut things: Vec<Value> = (0..12).map(|i| lamp(sphere(at(i), 0.02), 3.0 + f64::from(i))).collect();
+    let below = |i: u32| json!({ "disk": { "center": at(i), "normal": [0.1, -1, 0.2], "radius": 0.03 } });
+    things.extend((12..20).map(|i| lamp(below(i), 5.0)));
+    things.push(object(cuboid([-0.7, 0.0, -0.2], [-0.3, 0.5, 0.3]), "tinted"));
+    things.push(object(sphere([0.5, 0.4, 0.3], 0.3), "frosted"));
+    let rod = json!({ "cylinder": { "from": [-0.2, 0.1, 0.5], "to": [0.3, 1.1, 0.7], "radius": 0.1 } });
+    things.push(object(rod, "brass"));
+    let mut scene = room("many-lamps", materials, things);
+    let point = |i: u32| {
+        let mut light = json!({ "point": { "position": at(i), "emission": daylight(6.0) } });
+        if i % 2 == 0 {
+            light["point"]["distribution"] = json!({ "cosine": { "axis": [0.2, -1, 0.1] } });
+        }
+        light
+    };
+    scene["lights"] = (20..32).map(point).collect();
     scene
 }
 

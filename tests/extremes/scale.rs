@@ -1,6 +1,0 @@
-//! Large, small, far, flat and coincident.
-
-use crate::case::Case;
-use crate::cases;
-
-pub const CASES: &[Case] = cases![];
