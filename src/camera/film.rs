@@ -4,6 +4,9 @@
 //! about the error of their mean; different blocks are drawn independently, and the scatter
 //! of block sums gives an unbiased variance.
 
+use crate::path::BothFates;
+use crate::replay::Faults;
+
 /// Sums over the blocks of one channel of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BlockStatistics {
@@ -46,7 +49,9 @@ pub struct Film {
     /// Blocks that every pixel has.
     blocks: u32,
     /// Contributions that were not finite; each is counted as zero and reported.
-    pub non_finite_samples: u64,
+    pub faults: Faults,
+    /// What became of the walks that the picture is made of.
+    pub fates: BothFates,
 }
 
 impl Film {
@@ -60,7 +65,8 @@ impl Film {
             statistics: vec![BlockStatistics::default(); pixels * channels],
             samples_per_pixel: 0,
             blocks: 0,
-            non_finite_samples: 0,
+            faults: Faults::default(),
+            fates: BothFates::default(),
         }
     }
 

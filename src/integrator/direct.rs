@@ -2,7 +2,7 @@
 
 use super::blocks::{BlockOf, render_block};
 use super::tracer::Tracer;
-use crate::camera::Film;
+use crate::camera::{Film, Sensor};
 use crate::path::{Eye, Strategies, Subpaths};
 use crate::sampler::BlockSampler;
 use crate::scene::{Plan, Scene, View};
@@ -23,12 +23,16 @@ const PROBES: u32 = 1 << 13;
 
 impl<'a> DirectLight<'a> {
     /// Nothing gathered yet.
-    pub fn new(scene: &'a Scene, view: &'a View, seed: u64) -> Self {
-        let mut plan = Plan::of(scene, &view.sensor, Strategies::DIRECT);
-        plan.direct_only = true;
+    pub fn new(scene: &'a Scene, view: &'a View, most_bounces: Option<u32>, seed: u64) -> Self {
+        let plan = Self::plan(scene, &view.sensor, most_bounces);
         let channels = view.sensor.channels.len();
         let film = Film::new(view.camera.resolution(), channels, plan.strategies.splats());
         Self { scene, view, plan, seed, film, blocks: 0 }
+    }
+
+    /// The plan of direct light.
+    pub fn plan(scene: &Scene, sensor: &Sensor, most_bounces: Option<u32>) -> Plan {
+        Plan { direct_only: true, most_bounces, ..Plan::of(scene, sensor, Strategies::DIRECT) }
     }
 
     /// The picture so far.
@@ -56,7 +60,8 @@ impl<'a> DirectLight<'a> {
     /// Takes a block of so many samples in every pixel.
     pub fn block(&mut self, samples_per_pixel: u32) {
         let tracer = Tracer::new(self.scene, &self.plan, Eye::Camera(&self.view.camera));
-        let of = BlockOf { seed: self.seed, number: self.blocks, size: samples_per_pixel };
+        let of =
+            BlockOf { seed: self.seed, number: self.blocks, size: samples_per_pixel, direct_light: true };
         render_block(&tracer, self.view, &mut self.film, &of, &|_| {});
         self.film.finish_block(samples_per_pixel);
         self.blocks += 1;

@@ -4,16 +4,20 @@
 //! under different lists of strategies; the block loop that feeds the film is `blocks`.
 
 mod blocks;
+mod depth;
 mod direct;
 mod in_order;
 mod measure;
 mod pyramid;
 mod tracer;
 
-pub use blocks::{Budget, Progress, Rendering, Silent};
-pub(crate) use direct::DirectLight;
+pub use blocks::{Budget, Progress, Rendering, Silent, Taken};
+pub use depth::{Bounded, DIVERGENT_BOUNCES, Divergence, Truncation};
+pub use direct::DirectLight;
 pub(crate) use in_order::InOrder;
-pub use measure::{Reading, read_meters};
+pub use measure::{
+    MeterTaken, Reading, eye_of, instrument_plan, meter_sensor, read_meters, read_meters_under,
+};
 pub use pyramid::{Pyramid, StrategyFilms, render_pyramid};
 pub use tracer::{Draw, Tracer};
 
@@ -79,7 +83,8 @@ impl Integrator {
     }
 }
 
-/// Renders a view of a scene under a plan, by independent samples.
+/// Renders a view of a scene under a plan, by independent samples. Where radiance has no finite
+/// value, paths are cut off and the rendering says so.
 pub fn render(
     scene: &Scene,
     view: &View,
@@ -87,6 +92,7 @@ pub fn render(
     budget: &Budget,
     progress: &dyn Progress,
 ) -> Rendering {
-    let tracer = Tracer::new(scene, plan, Eye::Camera(&view.camera));
-    blocks::render(&tracer, view, plan, budget, progress)
+    let eye = Eye::Camera(&view.camera);
+    let bounded = Bounded::of(scene, plan, eye);
+    blocks::render(&Tracer::new(scene, &bounded.plan, eye), view, &bounded, budget, progress)
 }

@@ -2,14 +2,16 @@
 
 use super::chain::{Chain, Splats};
 use super::film::ChainFilm;
-use super::mutation::Place;
+use super::mutation::{Origin, Place};
 use super::normalisation::Estimates;
 use super::numbers::Numbers;
 use super::report::{Convergence, Counts, Report};
 use super::start::{ENOUGH_FOUND, Use};
 use super::world::World;
 use crate::camera::Film;
-use crate::integrator::{Budget, DirectLight, InOrder, Progress, Rendering};
+use crate::integrator::{Bounded, Budget, DirectLight, InOrder, Progress, Rendering};
+use crate::path::Eye;
+use crate::replay::Faults;
 use crate::sampler::mix;
 use crate::scene::{Plan, Scene, View};
 use rayon::prelude::*;
@@ -81,6 +83,7 @@ struct Run<'w, 'a> {
     counts: Counts,
     estimates: Estimates,
     convergence: Convergence,
+    faults: Faults,
 }
 
 /// Renders a view by chains of mutated paths.
@@ -92,7 +95,8 @@ pub fn render(
     progress: &dyn Progress,
 ) -> Rendering {
     let started = Instant::now();
-    let mut world = World::new(scene, view, plan);
+    let bounded = Bounded::of(scene, plan, Eye::Camera(&view.camera));
+    let mut world = World::new(scene, view, &bounded.plan);
     let pixels = u64::from(world.resolution[0]) * u64::from(world.resolution[1]);
     let mutations = match budget.time {
         Some(time) => (time.as_secs_f64() * MUTATIONS_PER_S * rayon::current_num_threads() as f64) as u64,
@@ -104,9 +108,11 @@ pub fn render(
         None => MOST_VERTICES,
     };
     let (mut found_none_in, mut needed) = (None, 0);
+    let mut faults = Faults::default();
     for round in 0..LEARNING_ROUNDS {
         let seed = mix(budget.seed ^ mix(Use::Pilot as u64 + (round << 8)));
         let search = world.find(seed, learning, most);
+        faults.merge(search.faults.clone());
         if search.found.is_empty() {
             found_none_in = Some(search.estimates.paths);
             break;
@@ -115,7 +121,8 @@ pub fn render(
         let starts = world.starts(&search.found, CHAINS, &mut Numbers::of(&[seed]));
         world.learn(seed, starts, learning / 2 / CHAINS as u64);
     }
-    let direct = DirectLight::new(scene, view, mix(budget.seed ^ mix(Use::Direct as u64)));
+    let direct_seed = mix(budget.seed ^ mix(Use::Direct as u64));
+    let direct = DirectLight::new(scene, view, bounded.plan.most_bounces, direct_seed);
     let mut run = Run {
         world: &world,
         seed: budget.seed,
@@ -129,6 +136,7 @@ pub fn render(
         counts: Counts::default(),
         estimates: Estimates::default(),
         convergence: Convergence::default(),
+        faults,
     };
     let mut block = 0;
     while run.film.samples_per_pixel() < budget.samples_per_pixel {
@@ -154,7 +162,9 @@ pub fn render(
     let report = found_none_in.is_none().then(|| Report::of(&run.counts, &run.estimates, &run.convergence));
     let found_none_in = found_none_in.filter(|_| !scene.lights.is_empty());
     let outcome = Outcome { report, found_none_in, direct_light };
-    Rendering { film, elapsed: started.elapsed(), metropolis: Some(outcome) }
+    let fates = bounded.fates_beside_chains(scene, Eye::Camera(&view.camera));
+    let truncation = bounded.truncation(&fates);
+    Rendering { film, elapsed: started.elapsed(), metropolis: Some(outcome), truncation }
 }
 
 /// Blocks that a run takes whatever happens.
@@ -189,6 +199,7 @@ impl Run<'_, '_> {
         if search.found.len() < ENOUGH_FOUND {
             search.extend(world.find(key, count, self.most_vertices));
         }
+        self.faults.merge(std::mem::take(&mut search.faults));
         if search.found.is_empty() {
             // Nothing was found where a first search did find something: a block of weight zero.
             return;
@@ -199,7 +210,8 @@ impl Run<'_, '_> {
             .zip(starts)
             .map(|(chain, start)| {
                 let place = Place { key, chain, bits: CHAINS.trailing_zeros(), drawn: 0 };
-                Chain::new(world, place, start, Numbers::of(&[key, u64::from(chain)]))
+                let origin = Origin { seed: self.seed, block: Some(block), chain: Some(chain), number: 0 };
+                Chain::new(world, place, origin, start, Numbers::of(&[key, u64::from(chain)]))
             })
             .collect();
         let count = chains.len() as u64;
@@ -219,6 +231,7 @@ impl Run<'_, '_> {
         for chain in chains {
             self.counts.merge(&chain.counts);
             self.estimates.merge(&chain.estimates);
+            self.faults.merge(chain.faults().clone());
             self.convergence.add(chain.blocks);
         }
         self.chain_film.finish_block(samples_per_pixel, search.estimates.mean());
@@ -235,7 +248,8 @@ impl Run<'_, '_> {
             let variance = (b * error).powi(2) + (share * b_error).powi(2) + other_error.powi(2);
             (b * share + other, variance.sqrt())
         });
-        film.non_finite_samples = self.direct.film().non_finite_samples + self.counts.non_finite;
+        film.faults = self.direct.film().faults.clone();
+        film.faults.merge(self.faults.clone());
         film
     }
 }
