@@ -1,6 +1,7 @@
 //! `etalon render`: a scene to an EXR in absolute units and, if asked, a developed picture.
 
 use super::arguments::Effort;
+use super::faults;
 use super::progress::Bar;
 use super::strategies;
 use clap::Args;
@@ -38,7 +39,9 @@ pub struct Arguments {
     /// contact sheet, for paths of up to 7 vertices
     #[arg(long, value_name = "DIR", conflicts_with = "time")]
     strategies: Option<PathBuf>,
-    /// Do not render, and exit with code 3, where light of some paths cannot be found
+    /// Exit with code 3 where the picture is not what it should be: without rendering, where light
+    /// of some paths cannot be found; else with the picture written, where samples were not finite
+    /// or radiance has no finite value
     #[arg(long)]
     strict: bool,
     /// Add linear sRGB channels R, G, B in cd/m2 to the EXR
@@ -71,7 +74,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     }
     let layers = Layers { linear_srgb: arguments.linear_srgb };
     let effort = &arguments.effort;
-    let plan = Plan::of(&scene, &view.sensor, effort.integrator().strategies());
+    let plan = effort.plan(&scene, &view.sensor);
     if arguments.strict && !plan.unreachable.is_empty() {
         eprintln!("error: {}: {}", arguments.scene.display(), missing(&plan, effort.integrator()));
         return Ok(ExitCode::from(3));
@@ -109,14 +112,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if let Some(outcome) = &facts.metropolis {
         tell(outcome);
     }
-    if facts.non_finite_samples > 0 {
-        eprintln!("warning: {} samples were not finite and count as zero", facts.non_finite_samples);
-    }
+    let is_sound = faults::tell(&facts, &arguments.scene, &arguments.output, arguments.strict);
     if let Some(folder) = &arguments.strategies {
         let sheet = strategies::write(folder, &scene, &view, &plan, &arguments.effort, layers)?;
         super::print(&format!("{}: every strategy by itself and weighted", sheet.display()));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(if arguments.strict && !is_sound { ExitCode::from(3) } else { ExitCode::SUCCESS })
 }
 
 fn write_report(file: &Path, report: &impl serde::Serialize) -> anyhow::Result<()> {
@@ -204,7 +205,7 @@ pub fn render_to_files(
     png: Option<&Path>,
 ) -> anyhow::Result<Facts> {
     check_memory(view, 1)?;
-    let plan = Plan::of(scene, &view.sensor, effort.integrator().strategies());
+    let plan = effort.plan(scene, &view.sensor);
     if !plan.unreachable.is_empty() {
         eprintln!("warning: {}", missing(&plan, effort.integrator()));
     }
@@ -221,9 +222,13 @@ pub fn render_to_files(
         let text = format!("{}: no direct light was found; {what}; no picture is written", scene.name);
         return Err(NothingFound { text, outcome: outcome.clone() }.into());
     }
-    let Rendering { film, elapsed, metropolis } = rendering;
-    let mut facts =
-        Facts { metropolis, ..Facts::of(scene, view, &plan, effort.integrator(), &budget, &film, elapsed) };
+    let Rendering { film, elapsed, metropolis, truncation } = rendering;
+    let truncation = Some(truncation);
+    let mut facts = Facts {
+        metropolis,
+        truncation,
+        ..Facts::of(scene, view, &plan, effort.integrator(), &budget, &film, elapsed)
+    };
     let planes = planes(&film, &view.sensor, &view.flat_field());
     let camera = facts.camera.clone();
     let darkroom = Darkroom::new(&camera, &planes)?;

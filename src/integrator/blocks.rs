@@ -83,7 +83,7 @@ pub(super) fn render(
             break;
         }
         let left = budget.samples_per_pixel - film.samples_per_pixel();
-        let size = block_size(budget, film.samples_per_pixel()).min(left) as u32;
+        let size = next_block_size(budget, film.samples_per_pixel()).min(left) as u32;
         let taken = film.samples_per_pixel() as f64;
         let within = |share: f64| progress.within_block(budget, started, taken + share * f64::from(size));
         let of = BlockOf { seed: budget.seed, number: block, size, direct_light: false };
@@ -98,12 +98,18 @@ pub(super) fn render(
 
 /// Samples of the next block. Against the clock blocks double from one, so that even a short
 /// time holds several.
-fn block_size(budget: &Budget, taken: u64) -> u64 {
+fn next_block_size(budget: &Budget, taken: u64) -> u64 {
     let fitting = match budget.time {
         Some(_) => taken,
         None => budget.samples_per_pixel / u64::from(FEWEST_BLOCKS),
     };
     fitting.clamp(1, u64::from(BLOCK_SAMPLES))
+}
+
+/// Samples of a whole block of a render that is told its samples per pixel.
+pub fn block_size(samples_per_pixel: u64) -> u32 {
+    let left = Budget { samples_per_pixel, time: None, seed: 0 };
+    next_block_size(&left, 0).min(samples_per_pixel.max(1)) as u32
 }
 
 /// One block of a run.

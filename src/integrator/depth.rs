@@ -16,6 +16,8 @@ use std::borrow::Cow;
 /// Walks that must all be trapped: none ending in this many times [`TRAPPED_BOUNCES`] puts the
 /// probability that a bounce ends one below 1.2e-5, with 95 %.
 const WALKS: u32 = 256;
+/// Of these, as many must be where light is exchanged with the eye.
+const FEWEST_TRAPPED: u32 = 32;
 /// Bounces after which paths are cut off where radiance has no finite value.
 pub const DIVERGENT_BOUNCES: u32 = 250;
 /// Walks that tell what is cut off where a picture is made of chains.
@@ -91,9 +93,9 @@ impl<'p> Bounded<'p> {
     pub fn fates_beside_chains(&self, scene: &Scene, eye: Eye<'_>) -> BothFates {
         let plan = Plan { strategies: Strategies::PATH, ..self.plan.as_ref().clone() };
         let mut probe = Probe::new(scene, &plan, eye, WALKS_BESIDE_CHAINS);
-        (0..WALKS_BESIDE_CHAINS).for_each(|walk| {
-            probe.walk(walk);
-        });
+        for index in 0..WALKS_BESIDE_CHAINS {
+            probe.walk(index);
+        }
         probe.paths.fates
     }
 }
@@ -153,23 +155,64 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// Takes a walk; whether those from the eye and from the lights have found light after half
-    /// of the bounces that count as trapped.
-    fn walk(&mut self, index: u32) -> [bool; 2] {
+    /// Takes a walk.
+    fn walk(&mut self, index: u32) -> Walked {
         let sampler = self.numbers.sample(index);
         let wavelengths = self.plan.wavelengths.sample(sampler.single(Stream::Wavelength, 0));
         let [x, y] = sampler.pair(Stream::Pixel, 0).map(f64::from);
         let position = [x * self.size[0], y * self.size[1]];
         let draw = Draw { position, wavelengths: &wavelengths, sampler: &sampler };
-        let mut late = [false; 2];
-        let half = TRAPPED_BOUNCES as usize / 2;
+        let mut walked = Walked::default();
+        let trapped = |paths: &Subpaths| paths.fates.of_the_picture().trapped;
+        let before = trapped(&self.paths);
         self.tracer.trace(&draw, &mut self.paths, &mut |found| {
             let shines = !found.estimate.is_black();
-            late[0] |= shines && found.t > half;
-            late[1] |= shines && found.s > half;
+            walked.finds_light |= shines;
+            walked.finds_it_late |= shines && found.s + found.t > TRAPPED_BOUNCES as usize / 2;
         });
-        late
+        walked.is_trapped = trapped(&self.paths) > before;
+        walked
     }
+}
+
+/// What a walk from one end has come to.
+#[derive(Clone, Copy, Default)]
+struct Walked {
+    is_trapped: bool,
+    finds_light: bool,
+    /// After half of the bounces that count as trapped.
+    finds_it_late: bool,
+}
+
+/// What all walks from one end have come to.
+#[derive(Clone, Copy, Default)]
+struct End {
+    /// All that were somewhere that light is exchanged with were trapped.
+    is_trapped: bool,
+    /// And went on finding light.
+    finds_light: bool,
+}
+
+/// Follows walks from one end, up to the first that is not trapped.
+fn follow(scene: &Scene, plan: &Plan, strategies: Strategies, eye: Eye<'_>) -> End {
+    let strategies = Strategies { joins: false, light_to_eye: false, ..strategies };
+    if !strategies.follows_eye() && !strategies.follows_light() {
+        return End::default();
+    }
+    let plan = Plan { strategies, most_bounces: Some(TRAPPED_BOUNCES), ..plan.clone() };
+    let mut probe = Probe::new(scene, &plan, eye, WALKS);
+    let (mut trapped, mut late) = (0, 0);
+    for index in 0..WALKS {
+        let walked = probe.walk(index);
+        trapped += u32::from(walked.is_trapped);
+        late += u32::from(walked.is_trapped && walked.finds_it_late);
+        // Light that goes astray at once, as from the outside of a lamp, says nothing.
+        let is_evidence = strategies.follows_eye() || walked.finds_light;
+        if is_evidence && !walked.is_trapped || trapped == 0 && index >= FEWEST_TRAPPED {
+            return End::default();
+        }
+    }
+    End { is_trapped: trapped >= FEWEST_TRAPPED, finds_light: late > 0 }
 }
 
 /// Whether radiance has no finite value where an eye looks; found out by the first walks that end
@@ -178,25 +221,19 @@ fn divergence(scene: &Scene, plan: &Plan, eye: Eye<'_>) -> Option<Divergence> {
     if plan.direct_only || scene.lights.is_empty() {
         return None;
     }
-    let strategies = Strategies { joins: false, ..plan.strategies };
-    let probing = Plan { strategies, most_bounces: Some(TRAPPED_BOUNCES), ..plan.clone() };
-    let mut probe = Probe::new(scene, &probing, eye, WALKS);
-    let mut late = [false; 2];
-    let mut all_trapped = [strategies.follows_eye(), strategies.follows_light() || plan.strategies.joins];
-    for walk in 0..WALKS {
-        let found = probe.walk(walk);
-        late = [late[0] | found[0], late[1] | found[1]];
-        let BothFates { from_eye, from_lights } = &probe.paths.fates;
-        all_trapped[0] &= from_eye.trapped == from_eye.walks;
-        all_trapped[1] &= from_lights.walks > 0 && from_lights.trapped == from_lights.walks;
-        if all_trapped == [false; 2] {
-            return None;
-        }
+    let all = plan.strategies;
+    let from_eye = Strategies { asks_eye: false, meets_eye: false, ..all };
+    let from_lights = Strategies { meets_lights: false, asks_lights: false, ..all };
+    let from_eye = follow(scene, plan, from_eye, eye);
+    // Joined to walks that end, those from lights make paths that end.
+    if all.joins && !from_eye.is_trapped {
+        return None;
     }
-    let joined = all_trapped == [true; 2] && plan.strategies.joins;
-    let diverges = joined || (0..2).any(|end| all_trapped[end] && late[end]);
+    let from_lights =
+        if from_eye.finds_light { End::default() } else { follow(scene, plan, from_lights, eye) };
+    let joined = all.joins && from_eye.is_trapped && from_lights.is_trapped;
     let steps = f64::from(WALKS) * f64::from(TRAPPED_BOUNCES);
-    diverges.then_some(Divergence {
+    (joined || from_eye.finds_light || from_lights.finds_light).then_some(Divergence {
         walks: WALKS,
         bounces: TRAPPED_BOUNCES,
         // None in N has a chance of (1 - p)^N, about exp(-N p).

@@ -11,7 +11,7 @@ mod measure;
 mod pyramid;
 mod tracer;
 
-pub use blocks::{Budget, Progress, Rendering, Silent, Taken};
+pub use blocks::{Budget, Progress, Rendering, Silent, Taken, block_size};
 pub use depth::{Bounded, DIVERGENT_BOUNCES, Divergence, Truncation};
 pub use direct::DirectLight;
 pub(crate) use in_order::InOrder;
