@@ -93,10 +93,12 @@ impl<'p> Bounded<'p> {
     pub fn fates_beside_chains(&self, scene: &Scene, eye: Eye<'_>) -> BothFates {
         let plan = Plan { strategies: Strategies::PATH, ..self.plan.as_ref().clone() };
         let mut probe = Probe::new(scene, &plan, eye, WALKS_BESIDE_CHAINS);
+        let mut fates = BothFates::default();
         for index in 0..WALKS_BESIDE_CHAINS {
             probe.walk(index);
+            fates.merge(&probe.paths.fates);
         }
-        probe.paths.fates
+        fates
     }
 }
 
@@ -163,14 +165,15 @@ impl<'a> Probe<'a> {
         let position = [x * self.size[0], y * self.size[1]];
         let draw = Draw { position, wavelengths: &wavelengths, sampler: &sampler };
         let mut walked = Walked::default();
-        let trapped = |paths: &Subpaths| paths.fates.of_the_picture().trapped;
-        let before = trapped(&self.paths);
+        self.paths.fates = BothFates::default();
         self.tracer.trace(&draw, &mut self.paths, &mut |found| {
             let shines = !found.estimate.is_black();
             walked.finds_light |= shines;
             walked.finds_it_late |= shines && found.s + found.t > TRAPPED_BOUNCES as usize / 2;
         });
-        walked.is_trapped = trapped(&self.paths) > before;
+        let fates = self.paths.fates.of_the_picture();
+        walked.is_trapped = fates.trapped > 0;
+        walked.ended_by_rounding = fates.ended_by_rounding > 0;
         walked
     }
 }
@@ -179,6 +182,7 @@ impl<'a> Probe<'a> {
 #[derive(Clone, Copy, Default)]
 struct Walked {
     is_trapped: bool,
+    ended_by_rounding: bool,
     finds_light: bool,
     /// After half of the bounces that count as trapped.
     finds_it_late: bool,
@@ -207,7 +211,7 @@ fn follow(scene: &Scene, plan: &Plan, strategies: Strategies, eye: Eye<'_>) -> E
         trapped += u32::from(walked.is_trapped);
         late += u32::from(walked.is_trapped && walked.finds_it_late);
         // Light that goes astray at once, as from the outside of a lamp, says nothing.
-        let is_evidence = strategies.follows_eye() || walked.finds_light;
+        let is_evidence = (strategies.follows_eye() || walked.finds_light) && !walked.ended_by_rounding;
         if is_evidence && !walked.is_trapped || trapped == 0 && index >= FEWEST_TRAPPED {
             return End::default();
         }

@@ -17,6 +17,8 @@ pub struct Fates {
     pub trapped: u64,
     /// What these carried then.
     pub trapped_carried: f64,
+    /// Walks that roulette ended though they had lost nothing but what rounding takes.
+    pub ended_by_rounding: u64,
     /// Walks that were ended by the limit on bounces, and what they carried then.
     pub cut: u64,
     /// See `cut`.
@@ -31,6 +33,7 @@ impl Fates {
         self.walks += other.walks;
         self.trapped += other.trapped;
         self.trapped_carried += other.trapped_carried;
+        self.ended_by_rounding += other.ended_by_rounding;
         self.cut += other.cut;
         self.cut_carried += other.cut_carried;
         self.cut_carried_squared += other.cut_carried_squared;
@@ -63,6 +66,7 @@ impl Fates {
     /// Notes what has become of a walk.
     pub(crate) fn note(&mut self, fate: Fate) {
         self.walks += 1;
+        self.ended_by_rounding += u64::from(fate.ended_by_rounding);
         if let Some(carried) = fate.trapped {
             self.trapped += 1;
             self.trapped_carried += f64::from(carried);
@@ -83,6 +87,8 @@ pub struct Fate {
     pub trapped: Option<f32>,
     /// What it carried when it was cut.
     pub cut: Option<f32>,
+    /// Whether roulette has ended it though it had lost nothing but what rounding takes.
+    pub ended_by_rounding: bool,
 }
 
 /// What became of the walks of both kinds.
@@ -117,7 +123,7 @@ mod tests {
         // variance of the mean (1.25 / 4 - 0.375^2) / 3.
         let mut fates = Fates::default();
         for cut in [Some(1.0), Some(0.5), None, None] {
-            fates.note(Fate { trapped: None, cut });
+            fates.note(Fate { cut, ..Fate::default() });
         }
         assert_eq!((fates.walks, fates.cut, fates.cut_share()), (4, 2, 0.375));
         let error = ((1.25 / 4.0 - 0.375_f64.powi(2)) / 3.0_f64).sqrt();

@@ -110,6 +110,11 @@ impl Heading {
         throughput / (self.lanes.mean() * self.lossless)
     }
 
+    /// Whether a walk that carries so much has lost nothing but what rounding takes.
+    fn has_lost_nothing(&self, carried: f32) -> bool {
+        carried * self.survival >= 1.0 - NOTHING_LOST
+    }
+
     /// Density per area with which the ray reaches a vertex.
     #[inline]
     pub fn pdf_area(&self, from: &Vertex, to: &Vertex) -> AreaPdf {
@@ -276,6 +281,8 @@ impl<'a> Walker<'a, '_> {
             return true;
         }
         let survives = self.sampler.single(stream, heading.bounce) < survival;
+        heading.fate.ended_by_rounding =
+            !survives && heading.fate.trapped.is_none() && heading.has_lost_nothing(carried);
         heading.throughput *= 1.0 / survival;
         heading.survival *= survival;
         survives
@@ -292,8 +299,7 @@ fn note_trapped(heading: &mut Heading) {
     if heading.bounce != TRAPPED_BOUNCES {
         return;
     }
-    let carried = heading.carried(heading.throughput.max());
-    if carried * heading.survival >= 1.0 - NOTHING_LOST {
+    if heading.has_lost_nothing(heading.carried(heading.throughput.max())) {
         heading.fate.trapped = Some(heading.carried(heading.throughput.mean()));
     }
 }

@@ -14,7 +14,7 @@ use crate::spectrum::{Dense, GRID_POINTS};
 /// Walks from the lights.
 const WALKS: u32 = 1 << 10;
 /// Names their random numbers.
-const SEED: u64 = 0x636c_6f73_7572_65;
+const SEED: u64 = 0x0063_6c6f_7375_7265;
 
 /// What walks from the lights have met.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,8 @@ pub struct Closure {
     pub walks: u32,
     /// Those that left the scene.
     pub left: u32,
-    /// Those that had lost nothing after [`TRAPPED_BOUNCES`] bounces.
+    /// Those that had lost nothing after [`TRAPPED_BOUNCES`] bounces, or ended before by nothing
+    /// but rounding.
     pub trapped: u32,
     /// Bounces of a walk on average, those of trapped ones up to that limit.
     pub mean_bounces: f64,
@@ -98,7 +99,8 @@ fn walk(scene: &Scene, plan: &Plan, sampler: &Sampler, paths: &mut Subpaths, fou
             break;
         }
     }
-    found.trapped += u32::from(heading.fate.trapped.is_some());
+    let fate = heading.fate;
+    found.trapped += u32::from(fate.trapped.is_some() || fate.ended_by_rounding);
     heading.bounce
 }
 
@@ -111,9 +113,8 @@ fn largest_albedo(material: &Material) -> f64 {
         Material::Lambertian { reflectance, .. } | Material::Mirror { reflectance, .. } => {
             largest(reflectance)
         }
-        // Light that only passes by outside loses nothing, whatever is absorbed inside.
-        Material::Dielectric { .. } => 1.0,
-        // All metals reflect everything at grazing incidence.
-        Material::Conductor { .. } => 1.0,
+        // Light that only passes by outside of glass loses nothing, whatever is absorbed inside,
+        // and all metals reflect everything at grazing incidence.
+        Material::Dielectric { .. } | Material::Conductor { .. } => 1.0,
     }
 }

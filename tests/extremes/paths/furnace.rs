@@ -152,7 +152,7 @@ pub fn an_integrating_sphere_multiplies_its_lamp(record: &mut Record) {
     let lamp = json!([{ "point": { "position": [0, 0, 0],
         "emission": { "spectrum": { "blackbody": { "temperature_k": 6500 } }, "level": { "flux_lm": 1700 } } } }]);
     for (albedo, truth, samples) in
-        [(0.5, 270.5634, 1 << 15), (0.9, 1352.817, 1 << 15), (0.98, 6764.085, 1 << 16)]
+        [(0.5, 270.5634, 1 << 15), (0.9, 1352.817, 1 << 16), (0.98, 6764.085, 1 << 17)]
     {
         let materials = json!({ "wall": { "lambertian": { "reflectance": albedo } } });
         let ball =

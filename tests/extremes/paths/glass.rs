@@ -101,7 +101,7 @@ pub fn absorbing_glass_keeps_its_closed_form_share(record: &mut Record) {
     let reflected = ((INDEX - 1.0) / (INDEX + 1.0)).powi(2);
     for radius in [0.01, 0.1, 1.0] {
         let scene = lit(ball(radius), ABSORPTION_PER_M, [0.0; 3], 2.0 * radius);
-        let found = emit(&scene, record.samples(1 << 16), record.seed());
+        let found = emit(&scene, record.samples(1 << 18), record.seed());
         let passed = f64::exp(-ABSORPTION_PER_M * radius);
         let truth = (1.0 - reflected) * passed / (1.0 - reflected * passed * passed);
         let what = format!("ball of {radius} m: share of the light that leaves");
