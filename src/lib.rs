@@ -44,6 +44,7 @@ pub mod measure;
 pub mod metropolis;
 pub mod path;
 pub mod python;
+pub mod replay;
 pub mod sampler;
 pub mod scene;
 pub mod spectrum;

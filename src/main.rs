@@ -1,7 +1,8 @@
 //! The program `etalon`: prints errors and picks exit codes; the work is in `cli`.
 //!
 //! Exit codes: 0 done, 1 something failed, 2 something that the user gave is wrong, 3 the
-//! picture would miss light and `--strict` was asked for, 4 no light was found where there
+//! picture would miss light, has samples that were not finite or shows radiance that has no finite
+//! value, and `--strict` was asked for, 4 no light was found where there
 //! may be some.
 
 mod cli;

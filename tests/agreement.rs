@@ -22,10 +22,9 @@ fn batches(scene: &Scene, integrator: Integrator, samples_per_pixel: u64) -> Vec
     let plan = Plan::of(scene, &view.sensor, integrator.strategies());
     let batch = |batch: u64| {
         let seed = batch + 1000 * (1 + integrator as u64) + 10_000 * fresh();
-        let film =
-            render(scene, view, &plan, &Budget { samples_per_pixel, time: None, error: None, seed }, &Silent)
-                .film;
-        assert_eq!(film.non_finite_samples, 0);
+        let budget = Budget { samples_per_pixel, time: None, error: None, seed };
+        let film = render(scene, view, &plan, &budget, &Silent).film;
+        assert_eq!(film.faults.count, 0);
         (0..film.pixels()).map(|pixel| film.mean(pixel, LUMINANCE)).collect()
     };
     (0..BATCHES).map(batch).collect()

@@ -47,7 +47,7 @@ fn path_tracing_converges_on_every_scene() {
         let name = json["name"].as_str().expect("a name");
         let film = path_traced(&json, 64);
         let error = film.relative_error().expect("several blocks");
-        assert_eq!(film.non_finite_samples, 0, "{name}");
+        assert_eq!(film.faults.count, 0, "{name}");
         assert!(error < 0.3, "{name}: relative error {error}");
         let view = scene(&json).view.expect("a camera");
         let level = mean_luminance(&film) / view.facts().white_luminance_cd_m2;
@@ -67,7 +67,7 @@ fn hard_scenes_are_within_reach_and_well_exposed() {
         let missing = unreachable(&scene, &Integrator::Bdpt.strategies());
         assert!(missing.is_empty(), "{name}: {missing:?}");
         let film = rendered(&scene, Integrator::Bdpt, 256);
-        assert_eq!(film.non_finite_samples, 0, "{name}");
+        assert_eq!(film.faults.count, 0, "{name}");
         let level = mean_luminance(&film) / scene.view().expect("a camera").facts().white_luminance_cd_m2;
         assert!((0.05..1.5).contains(&level), "{name}: {level} of white");
     }

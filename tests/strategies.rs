@@ -3,10 +3,10 @@
 mod common;
 
 use common::alone::{Findings, alone};
-use common::{SIGMAS, assert_reads, illuminance, luminance, metered, read_with, scene};
+use common::{SIGMAS, luminance, metered, scene};
 use etalon::camera::Sensor;
 use etalon::integrator::{Draw, Integrator, Tracer};
-use etalon::path::{Eye, Kind, Strategies, Subpaths};
+use etalon::path::{Eye, Strategies, Subpaths};
 use etalon::sampler::{BlockSampler, Stream};
 use etalon::scene::{Plan, Scene};
 use etalon::statistics::{BATCHES, BatchMean};
@@ -153,26 +153,6 @@ fn strategies_agree_behind_dispersive_glass_and_mirrors() {
     ]);
     let scene = round_room(objects, camera([0.0, 0.0, -1.2], [0.0, -0.2, 1.0], true));
     assert_strategies_agree("dispersive", &scene, 1 << 19);
-}
-
-fn point_lamp(flux_lm: f64) -> Value {
-    json!([{ "point": { "position": [0, 0, 0], "emission": { "spectrum": { "blackbody": { "temperature_k": 6500 } },
-        "level": { "flux_lm": flux_lm } } } }])
-}
-
-/// E = Phi / (4 pi R^2 (1 - rho)), direct light included.
-#[test]
-fn an_integrating_sphere_multiplies_its_lamp() {
-    for (albedo, truth, samples) in
-        [(0.5, 270.56, 1 << 15), (0.9, 1352.82, 1 << 15), (0.98, 6764.09, 1 << 13)]
-    {
-        let materials = json!({ "wall": { "lambertian": { "reflectance": albedo } } });
-        let objects = json!([ball([0.0; 3], 1.0, "wall")]);
-        let meter = illuminance([0.0, 0.0, -1.0], [0.0, 0.0, 1.0]);
-        let scene = metered(materials, objects, point_lamp(1700.0), meter);
-        let reading = read_with(&scene, Integrator::Bdpt, samples);
-        assert_reads(&format!("albedo {albedo}"), &reading, truth, 5e-3);
-    }
 }
 
 /// A point light at the centre of a lossless glass sphere: all light leaves along radii, after

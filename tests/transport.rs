@@ -138,7 +138,7 @@ fn trapped_light_ends() {
     ]);
     let lights = json!([{ "point": { "position": [0, 0, 2], "emission": { "spectrum": "d65", "level": { "flux_lm": 1 } } } }]);
     let scene = metered(materials, objects, lights, luminance([0.1, 0.2, 0.3], [0.5, 0.6, 0.7]));
-    assert_eq!(read_one(&scene, 64).non_finite_samples, 0);
+    assert_eq!(read_one(&scene, 64).faults.count, 0);
 }
 
 /// A matte ball inside a glass shell: what lands on it has crossed the surface both ways.

@@ -4,6 +4,8 @@
 //! about the error of their mean; different blocks are drawn independently, and the scatter
 //! of block sums gives an unbiased variance.
 
+use crate::path::BothFates;
+use crate::replay::Faults;
 use serde::{Deserialize, Serialize};
 
 /// Sums over the blocks of one channel of one pixel.
@@ -48,7 +50,9 @@ pub struct Film {
     /// Blocks that every pixel has.
     blocks: u32,
     /// Contributions that were not finite; each is counted as zero and reported.
-    pub non_finite_samples: u64,
+    pub faults: Faults,
+    /// What became of the walks that the picture is made of.
+    pub fates: BothFates,
 }
 
 impl Film {
@@ -62,7 +66,8 @@ impl Film {
             statistics: vec![BlockStatistics::default(); pixels * channels],
             samples_per_pixel: 0,
             blocks: 0,
-            non_finite_samples: 0,
+            faults: Faults::default(),
+            fates: BothFates::default(),
         }
     }
 
@@ -173,7 +178,8 @@ impl Film {
         both.samples_per_pixel += other.samples_per_pixel;
         // Two means are estimated from the blocks, not one.
         both.blocks = (self.blocks + other.blocks).saturating_sub(1);
-        both.non_finite_samples += other.non_finite_samples;
+        both.faults.merge(other.faults.clone());
+        both.fates.merge(&other.fates);
         both.set(|pixel, channel| {
             let mean = 0.5 * (self.mean(pixel, channel) + other.mean(pixel, channel));
             let errors = [self, other].map(|film| film.standard_error(pixel, channel));

@@ -1,9 +1,10 @@
 //! Arguments that several subcommands share.
 
 use clap::Args;
+use etalon::camera::Sensor;
 use etalon::error::Error;
 use etalon::integrator::{Budget, Integrator};
-use etalon::scene::View;
+use etalon::scene::{Plan, Scene, View};
 use std::time::Duration;
 
 /// How much to render, and with what.
@@ -30,7 +31,13 @@ pub struct Effort {
     /// Algorithm: path, light, bdpt or mlt [default: path, or the reference case's own]
     #[arg(long, value_name = "NAME", value_parser = integrator)]
     pub integrator: Option<Integrator>,
+    /// Cut paths off after this many bounces and say what that loses [default: no limit]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=MOST_BOUNCES))]
+    pub max_bounces: Option<u32>,
 }
+
+/// Bounces beyond which a limit is none.
+const MOST_BOUNCES: i64 = 1 << 30;
 
 impl Effort {
     /// When to stop; `default_spp` where neither samples nor error nor time are given.
@@ -45,9 +52,15 @@ impl Effort {
         self.integrator.unwrap_or(Integrator::Path)
     }
 
+    /// What a scene needs for this effort as a sensor sees it.
+    pub fn plan(&self, scene: &Scene, sensor: &Sensor) -> Plan {
+        let plan = Plan::of(scene, sensor, self.integrator().strategies());
+        Plan { most_bounces: self.max_bounces, ..plan }
+    }
+
     /// The same effort as words of a command line.
     pub fn words(&self) -> Vec<String> {
-        let Self { spp, error, time, seed, threads, resolution, integrator } = self;
+        let Self { spp, error, time, seed, threads, resolution, integrator, max_bounces } = self;
         let given = [
             ("--spp", spp.map(|spp| spp.to_string())),
             ("--error", error.map(|error| error.to_string())),
@@ -56,6 +69,7 @@ impl Effort {
             ("--threads", threads.map(|threads| threads.to_string())),
             ("--resolution", resolution.map(|[width, height]| format!("{width}x{height}"))),
             ("--integrator", integrator.map(|integrator| integrator.name().to_owned())),
+            ("--max-bounces", max_bounces.map(|bounces| bounces.to_string())),
         ];
         let pair = |(option, value): (&str, Option<String>)| value.map(|value| [option.to_owned(), value]);
         given.into_iter().filter_map(pair).flatten().collect()
@@ -91,7 +105,7 @@ fn error(text: &str) -> Result<f64, String> {
     share.ok_or_else(|| "give a share between 0 and 1, such as 0.01 or 1%".to_owned())
 }
 
-fn resolution(text: &str) -> Result<[u32; 2], String> {
+pub fn resolution(text: &str) -> Result<[u32; 2], String> {
     let explain = || "give width and height as in 640x480".to_owned();
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(explain)?;
     let side = |part: &str| part.parse::<u32>().ok().filter(|side| (1..=1 << 14).contains(side));
@@ -129,6 +143,7 @@ mod tests {
             "--time 0.5 --seed 0",
             "--spp 1000 --error 0.01 --seed 0",
             "--error 0.003 --time 60 --seed 0",
+            "--seed 0 --max-bounces 100",
             "--seed 18446744073709551615",
         ] {
             let words = std::iter::once("etalon").chain(line.split(' '));

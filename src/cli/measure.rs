@@ -1,9 +1,10 @@
 //! `etalon measure`: what the scene's instruments read.
 
+use super::faults;
 use clap::Args;
 use etalon::error::Error;
-use etalon::integrator::{Integrator, Reading, read_meters};
-use etalon::scene::{Meter, MeterKind, Scene, unreachable_by_instrument};
+use etalon::integrator::{Integrator, Reading, instrument_plan, read_meters_under};
+use etalon::scene::{Meter, MeterKind, Plan, Scene, unreachable_by_instrument};
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -24,6 +25,14 @@ pub struct Arguments {
     /// Algorithm: path, light or bdpt
     #[arg(long, value_name = "NAME", default_value = "path", value_parser = super::arguments::integrator)]
     integrator: Integrator,
+    /// Cut paths off after this many bounces and say what that loses [default: no limit]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1 << 30))]
+    max_bounces: Option<u32>,
+    /// Exit with code 3 where a reading is not what it should be: without reading, where meters
+    /// miss light of some paths; else after printing, where samples were not finite or radiance
+    /// has no finite value
+    #[arg(long)]
+    strict: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -51,6 +60,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
             .into());
     }
     let strategies = arguments.integrator.strategies().for_instruments();
+    let mut misses = false;
     for is_open in [true, false] {
         let missing = unreachable_by_instrument(&scene, &strategies, is_open);
         if !missing.is_empty() && scene.meters.iter().any(|meter| looks(meter) != is_open) {
@@ -60,16 +70,27 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
                 Integrator::Bdpt => "give a point light its real size",
                 _ => "give a point light its real size, or use --integrator bdpt",
             };
-            eprintln!("warning: {kind} meters miss light on the way {}; {hint}", classes.join(", "));
+            let word = if arguments.strict { "error" } else { "warning" };
+            eprintln!("{word}: {kind} meters miss light on the way {}; {hint}", classes.join(", "));
+            misses = true;
         }
     }
-    let readings = read_meters(&scene, arguments.integrator, arguments.samples, arguments.seed);
+    if arguments.strict && misses {
+        return Ok(ExitCode::from(3));
+    }
+    let plan = instrument_plan(&scene, arguments.integrator);
+    let plan = Plan { most_bounces: arguments.max_bounces, ..plan };
+    let readings = read_meters_under(&scene, &plan, arguments.samples, arguments.seed);
     if arguments.json {
         super::print(&serde_json::to_string_pretty(&as_json(&scene, arguments, &readings))?);
     } else {
         readings.iter().for_each(|reading| super::print(&as_text(reading)));
     }
-    Ok(ExitCode::SUCCESS)
+    let mut is_sound = true;
+    for reading in &readings {
+        is_sound &= faults::tell_reading(reading, &arguments.scene, arguments.strict);
+    }
+    Ok(if arguments.strict && !is_sound { ExitCode::from(3) } else { ExitCode::SUCCESS })
 }
 
 /// Photometric and radiant unit of a reading.
@@ -79,12 +100,8 @@ fn units(reading: &Reading) -> [&'static str; 2] {
 
 fn as_text(reading: &Reading) -> String {
     let [photometric, radiant] = units(reading);
-    let warning = match reading.non_finite_samples {
-        0 => String::new(),
-        count => format!("   ({count} samples were not finite and count as zero)"),
-    };
     format!(
-        "{:<20} {:>12.6} +- {:.6} {photometric}   {:>12.6} +- {:.6} {radiant} (360-830 nm)   95 %{warning}",
+        "{:<20} {:>12.6} +- {:.6} {photometric}   {:>12.6} +- {:.6} {radiant} (360-830 nm)   95 %",
         reading.name,
         reading.photometric.mean,
         reading.photometric.half_width_95(),
@@ -109,7 +126,9 @@ fn as_json(scene: &Scene, arguments: &Arguments, readings: &[Reading]) -> serde_
                 "radiant_value": reading.radiant.mean,
                 "radiant_half_width_95": reading.radiant.half_width_95(),
                 "xyz": reading.xyz,
-                "non_finite_samples": reading.non_finite_samples,
+                "non_finite_samples": reading.faults.count,
+                "non_finite": reading.faults.named,
+                "truncation": reading.truncation,
             })
         })
         .collect();
@@ -119,6 +138,7 @@ fn as_json(scene: &Scene, arguments: &Arguments, readings: &[Reading]) -> serde_
         "samples": arguments.samples,
         "seed": arguments.seed,
         "integrator": arguments.integrator.name(),
+        "max_bounces": arguments.max_bounces,
         "version": env!("CARGO_PKG_VERSION"),
         "meters": meters,
     })

@@ -4,9 +4,11 @@ mod arguments;
 mod check;
 mod checkpoint;
 mod develop;
+mod faults;
 mod measure;
 mod progress;
 mod render;
+mod replay;
 mod schema;
 mod spectra;
 mod strategies;
@@ -35,6 +37,8 @@ enum Command {
     Check(check::Arguments),
     /// Read a scene's illuminance and luminance meters
     Measure(measure::Arguments),
+    /// Take one sample again and print its path vertex by vertex
+    Replay(replay::Arguments),
     /// Print the JSON Schema of the scene format
     Schema,
     /// List the built-in spectra, or describe and draw one
@@ -50,6 +54,7 @@ pub fn run() -> anyhow::Result<ExitCode> {
         Command::Develop(arguments) => develop::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
         Command::Schema => schema::run(),
         Command::Spectra(arguments) => spectra::run(&arguments),
         Command::Validate(arguments) => validate::run(&arguments),

@@ -2,6 +2,7 @@
 
 use super::arguments::Effort;
 use super::checkpoint::Keeping;
+use super::faults;
 use super::strategies;
 use clap::Args;
 use etalon::camera::{Camera, Darkroom, planes};
@@ -46,7 +47,9 @@ pub struct Arguments {
     /// Render a part of the picture alone: X,Y,WIDTH,HEIGHT in pixels from the top left corner
     #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
     crop: Option<[u32; 4]>,
-    /// Do not render, and exit with code 3, where light of some paths cannot be found
+    /// Exit with code 3 where the picture is not what it should be: without rendering, where light
+    /// of some paths cannot be found; else with the picture written, where samples were not finite
+    /// or radiance has no finite value
     #[arg(long)]
     strict: bool,
     /// Add linear sRGB channels R, G, B in cd/m2 to the EXR
@@ -83,7 +86,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     }
     let layers = Layers { linear_srgb: arguments.linear_srgb };
     let effort = &arguments.effort;
-    let plan = Plan::of(&scene, &view.sensor, effort.integrator().strategies());
+    let plan = effort.plan(&scene, &view.sensor);
     if arguments.strict && !plan.unreachable.is_empty() {
         eprintln!("error: {}: {}", arguments.scene.display(), missing(&plan, effort.integrator()));
         return Ok(ExitCode::from(3));
@@ -119,14 +122,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if let Some(outcome) = &facts.metropolis {
         tell(outcome);
     }
-    if facts.non_finite_samples > 0 {
-        eprintln!("warning: {} samples were not finite and count as zero", facts.non_finite_samples);
-    }
+    let is_sound = faults::tell(&facts, &arguments.scene, &arguments.output, arguments.strict);
     if let Some(folder) = &arguments.strategies {
         let sheet = strategies::write(folder, &scene, &view, &plan, &arguments.effort, layers)?;
         super::print(&format!("{}: every strategy by itself and weighted", sheet.display()));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(if arguments.strict && !is_sound { ExitCode::from(3) } else { ExitCode::SUCCESS })
 }
 
 fn crop(text: &str) -> std::result::Result<[u32; 4], String> {
@@ -244,7 +245,7 @@ pub fn render_to_files(
 ) -> anyhow::Result<Facts> {
     check_memory(view, 1)?;
     let integrator = effort.integrator();
-    let plan = Plan::of(scene, &view.sensor, integrator.strategies());
+    let plan = effort.plan(scene, &view.sensor);
     if !plan.unreachable.is_empty() {
         eprintln!("warning: {}", missing(&plan, integrator));
     }
@@ -263,12 +264,13 @@ pub fn render_to_files(
         let text = format!("{}: no direct light was found; {what}; no picture is written", scene.name);
         return Err(NothingFound { text, outcome: outcome.clone() }.into());
     }
-    let Rendering { film, elapsed, metropolis, ends, spent } = rendering;
+    let Rendering { film, elapsed, metropolis, truncation, ends, spent } = rendering;
     let mut facts = Facts {
         cpu_seconds: spent.cpu_seconds,
         parts: spent.parts,
         stopping: Stopping { ends, ..Stopping::of(&budget) },
         metropolis,
+        truncation: Some(truncation),
         ..Facts::of(scene, view, &plan, integrator, &budget, &film, elapsed)
     };
     let planes = planes(&film, &view.sensor, &view.flat_field());

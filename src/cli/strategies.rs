@@ -43,7 +43,9 @@ pub fn write(
     let meets_lights = strategies.meets_lights && plan.strategies.meets_lights;
     let meets_eye = strategies.meets_eye && view.camera.has_aperture();
     let strategies = Strategies { meets_lights, meets_eye, ..strategies };
-    let plan = Plan { strategies, joins_each: true, ..plan.clone() };
+    // Longer paths have no picture of their own, and joining each of their vertices takes time.
+    let most_bounces = Some(LONGEST as u32 - 2);
+    let plan = Plan { strategies, joins_each: true, most_bounces, ..plan.clone() };
     let tracer = Tracer::new(scene, &plan, Eye::Camera(&view.camera));
     let pyramid = render_pyramid(&tracer, view, &plan, &budget, LONGEST);
     let mut captioned: Vec<([u32; 2], String, &Film)> = Vec::new();

@@ -3,6 +3,7 @@
 use super::exr_file::{FACTS_ATTRIBUTE, RESPONSES_ATTRIBUTE};
 use crate::camera::{CameraRecord, FLAT_FIELD_CHANNEL, Planes, Responses, Sensor};
 use crate::error::{Error, Result};
+use exr::meta::MetaData;
 use exr::prelude::*;
 use serde::Deserialize;
 use std::path::Path;
@@ -129,6 +130,27 @@ fn check(camera: &CameraRecord, responses: &Responses, size: [u64; 2]) -> Result
         Some(matrix) => matrix.check(channels),
         None => Ok(()),
     }
+}
+
+/// The facts of a render as their JSON text; an error names the file and what it lacks.
+pub fn read_facts(path: &Path) -> Result<String> {
+    std::fs::File::open(path).map_err(|e| Error::io(path, "read the render", &e))?;
+    let undecodable = |e: &exr::error::Error| {
+        Error::new(format!("cannot be decoded ({})", e.to_string().to_lowercase())).hint(REMEDY).in_file(path)
+    };
+    let data = MetaData::read_from_file(path, false).map_err(|e| undecodable(&e))?;
+    let attribute = |header: &exr::meta::header::Header| match header
+        .own_attributes
+        .other
+        .get(&Text::from(FACTS_ATTRIBUTE))
+    {
+        Some(AttributeValue::Text(text)) => Some(text.to_string()),
+        _ => None,
+    };
+    data.headers
+        .iter()
+        .find_map(attribute)
+        .ok_or_else(|| Error::new("it has no attribute \"etalon\"").hint(REMEDY).in_file(path))
 }
 
 /// Levels of a picture of an even field: an EXR's channel Y or G, or the grey of a PNG or TIFF

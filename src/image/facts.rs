@@ -1,8 +1,9 @@
 //! What a picture file says about itself, as one JSON text beside the standard attributes.
 
 use crate::camera::{CameraRecord, Film};
-use crate::integrator::{Budget, End, Integrator, cpu_seconds};
+use crate::integrator::{Budget, End, Integrator, Truncation, cpu_seconds};
 use crate::metropolis::Outcome;
+use crate::replay::SampleName;
 use crate::scene::{Plan, Scene, View};
 use serde::Serialize;
 use std::time::Duration;
@@ -43,8 +44,17 @@ pub struct Facts {
     pub notes: Vec<String>,
     /// Estimated relative error of the luminance picture; `None` from a single block.
     pub relative_error: Option<f64>,
-    /// Samples that were not finite; they count as zero.
+    /// Contributions that were not finite; they count as zero, which biases their pixels by an
+    /// unknown amount.
     pub non_finite_samples: u64,
+    /// The first samples that they belong to: what `etalon replay` takes them again by.
+    pub non_finite: Vec<SampleName>,
+    /// Bounces after which paths were to be cut off; `None`: nobody asked for a limit.
+    pub max_bounces: Option<u32>,
+    /// What a limit on bounces has cut off, and what was trapped.
+    pub truncation: Option<Truncation>,
+    /// Spectral layers among the channels: they have a say in the wavelengths of samples.
+    pub spectral_layers: usize,
     /// What chains of paths say about themselves.
     pub metropolis: Option<Outcome>,
 }
@@ -103,7 +113,11 @@ impl Facts {
             missing: plan.unreachable.iter().map(|c| format!("{}: {}", c.word, c.meaning)).collect(),
             notes: scene.notes.clone(),
             relative_error: film.relative_error(),
-            non_finite_samples: film.non_finite_samples,
+            non_finite_samples: film.faults.count,
+            non_finite: film.faults.named.clone(),
+            max_bounces: plan.most_bounces,
+            truncation: None,
+            spectral_layers: view.sensor.channels.iter().filter(|c| c.name.starts_with("S0.")).count(),
             metropolis: None,
         }
     }

@@ -7,11 +7,12 @@ use super::in_order::InOrder;
 use super::run::{Gathered, Source};
 use super::stopping::Budget;
 use super::tracer::Tracer;
-use crate::camera::Film;
-use crate::path::Subpaths;
-use crate::sampler::BlockSampler;
+use crate::camera::{Film, Sensor};
+use crate::path::{BothFates, Contribution, Subpaths};
+use crate::replay::{Faults, PixelSample, SampleName};
+use crate::sampler::{BlockSampler, Sampler};
 use crate::scene::{Plan, View};
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Spectrum, Wavelengths};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -36,12 +37,8 @@ impl Source for Samples<'_> {
         Gathered { film, chains: None }
     }
 
-    /// Where it is open how many there will be, blocks double from one, so that even a short
-    /// run holds several.
     fn block_size(&self, budget: &Budget, taken: u64, _block: u32) -> u64 {
-        let fitting =
-            if budget.is_open() { taken } else { budget.samples_per_pixel / u64::from(FEWEST_BLOCKS) };
-        fitting.clamp(1, u64::from(BLOCK_SAMPLES))
+        next_block_size(budget, taken)
     }
 
     fn block(&self, gathered: &mut Gathered, block: &BlockOf, report_share: &(dyn Fn(f64) + Sync)) {
@@ -54,22 +51,93 @@ impl Source for Samples<'_> {
     }
 }
 
+/// Samples of the next block. Where it is open how many there will be, blocks double from one, so
+/// that even a short run holds several.
+fn next_block_size(budget: &Budget, taken: u64) -> u64 {
+    let fitting = if budget.is_open() { taken } else { budget.samples_per_pixel / u64::from(FEWEST_BLOCKS) };
+    fitting.clamp(1, u64::from(BLOCK_SAMPLES))
+}
+
+/// Samples of a whole block of a render that is told its samples per pixel.
+pub fn block_size(samples_per_pixel: u64) -> u32 {
+    let left = Budget { samples_per_pixel, time: None, error: None, seed: 0 };
+    next_block_size(&left, 0).min(samples_per_pixel.max(1)) as u32
+}
+
 /// One block of a run.
 pub(crate) struct BlockOf {
     pub seed: u64,
     pub number: u32,
     pub size: u32,
+    pub direct_light: bool,
 }
 
 /// What a row of a block's samples has found.
 struct RowResult {
     /// Sums of the row's own pixels, channel by channel.
     own: Vec<f64>,
+    taken: Taken,
+    faults: Faults,
+    fates: BothFates,
+}
+
+/// What samples leave in pixels that are not their own, and what one leaves in its own.
+#[derive(Debug, Default)]
+pub struct Taken {
     /// Pixels elsewhere that light was joined to the eye at, in the order found.
-    splat_pixels: Vec<u32>,
+    pub splat_pixels: Vec<u32>,
     /// What they recorded, channel by channel.
-    splat_values: Vec<f64>,
-    non_finite: u64,
+    pub splat_values: Vec<f64>,
+    /// What the last sample recorded in its own pixel, channel by channel.
+    pub own: Vec<f64>,
+}
+
+impl Taken {
+    /// Takes one sample in the pixel whose top left corner is given. What it leaves that is not
+    /// finite is left out, and their number comes back with the wavelengths. `see` is shown every
+    /// contribution.
+    pub fn take(
+        &mut self,
+        tracer: &Tracer<'_>,
+        sensor: &Sensor,
+        (corner, width): ([f64; 2], u32),
+        sampler: &Sampler,
+        paths: &mut Subpaths,
+        mut see: impl FnMut(&Contribution),
+    ) -> (Wavelengths, u64) {
+        let channels = sensor.channels.len();
+        let mut radiance = Spectrum::ZERO;
+        let mut non_finite = 0;
+        let (splat_pixels, splat_values) = (&mut self.splat_pixels, &mut self.splat_values);
+        let wavelengths = tracer.sample(corner, sampler, paths, &mut |contribution, wavelengths| {
+            see(contribution);
+            let weighed = contribution.estimate * contribution.weight;
+            if !weighed.is_finite() {
+                non_finite += 1;
+            } else if let Some([x, y]) = contribution.position {
+                let first = splat_values.len();
+                splat_values.resize(first + channels, 0.0);
+                let values = &mut splat_values[first..];
+                sensor.record(weighed, wavelengths, |channel, value| values[channel] = value);
+                if values.iter().all(|value| value.is_finite()) {
+                    splat_pixels.push(y as u32 * width + x as u32);
+                } else {
+                    splat_values.truncate(first);
+                    non_finite += 1;
+                }
+            } else {
+                radiance += weighed;
+            }
+        });
+        self.own.clear();
+        sensor.record(radiance, &wavelengths, |_, value| self.own.push(value));
+        // Finite parts may have a sum, or a mean over lanes, that is not.
+        if !self.own.iter().all(|value| value.is_finite()) {
+            self.own.fill(0.0);
+            non_finite += 1;
+        }
+        (wavelengths, non_finite)
+    }
 }
 
 pub(super) fn render_block(
@@ -83,8 +151,9 @@ pub(super) fn render_block(
     let rows_done = AtomicU64::new(0);
     let merge = InOrder::new(|row, result: RowResult| {
         film.add_row(row, &result.own, block.size);
-        film.add_splats(&result.splat_pixels, &result.splat_values);
-        film.non_finite_samples += result.non_finite;
+        film.add_splats(&result.taken.splat_pixels, &result.taken.splat_values);
+        film.faults.merge(result.faults);
+        film.fates.merge(&result.fates);
     });
     (0..height as usize).into_par_iter().with_max_len(1).for_each(|row| {
         let result = render_row(tracer, view, block, row);
@@ -100,35 +169,32 @@ fn render_row(tracer: &Tracer<'_>, view: &View, block: &BlockOf, row: usize) -> 
     let channels = sensor.channels.len();
     let mut result = RowResult {
         own: vec![0.0; width as usize * channels],
-        splat_pixels: Vec::new(),
-        splat_values: Vec::new(),
-        non_finite: 0,
+        taken: Taken::default(),
+        faults: Faults::default(),
+        fates: BothFates::default(),
     };
     let mut paths = Subpaths::default();
     for (column, own) in result.own.chunks_exact_mut(channels).enumerate() {
         let pixel = row as u64 * u64::from(width) + column as u64;
         let numbers = BlockSampler::new(block.seed, pixel, block.number, block.size);
         for index in 0..block.size {
-            let sampler = numbers.sample(index);
             let corner = [column as f64, row as f64];
-            let mut radiance = Spectrum::ZERO;
-            let wavelengths =
-                tracer.sample(corner, &sampler, &mut paths, &mut |contribution, wavelengths| {
-                    let weighed = contribution.estimate * contribution.weight;
-                    if !weighed.is_finite() {
-                        result.non_finite += 1;
-                    } else if let Some([x, y]) = contribution.position {
-                        result.splat_pixels.push(y as u32 * width + x as u32);
-                        let first = result.splat_values.len();
-                        result.splat_values.resize(first + channels, 0.0);
-                        let values = &mut result.splat_values[first..];
-                        sensor.record(weighed, wavelengths, |channel, value| values[channel] = value);
-                    } else {
-                        radiance += weighed;
-                    }
-                });
-            sensor.record(radiance, &wavelengths, |channel, value| own[channel] += value);
+            let sampler = numbers.sample(index);
+            let (_, non_finite) =
+                result.taken.take(tracer, sensor, (corner, width), &sampler, &mut paths, |_| {});
+            own.iter_mut().zip(&result.taken.own).for_each(|(sum, value)| *sum += value);
+            result.faults.note(non_finite, || {
+                SampleName::Pixel(PixelSample {
+                    pixel: [column as u32, row as u32],
+                    seed: block.seed,
+                    block: block.number,
+                    block_size: block.size,
+                    index,
+                    direct_light: block.direct_light,
+                })
+            });
         }
     }
+    result.fates = paths.fates;
     result
 }

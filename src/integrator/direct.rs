@@ -2,7 +2,7 @@
 
 use super::blocks::{BlockOf, render_block};
 use super::tracer::Tracer;
-use crate::camera::Film;
+use crate::camera::{Film, Sensor};
 use crate::path::{Eye, Strategies, Subpaths};
 use crate::sampler::BlockSampler;
 use crate::scene::{Plan, Scene, View};
@@ -20,10 +20,13 @@ const PROBES: u32 = 1 << 13;
 
 impl<'a> DirectLight<'a> {
     /// Of a view.
-    pub fn new(scene: &'a Scene, view: &'a View) -> Self {
-        let mut plan = Plan::of(scene, &view.sensor, Strategies::DIRECT);
-        plan.direct_only = true;
-        Self { scene, view, plan }
+    pub fn new(scene: &'a Scene, view: &'a View, most_bounces: Option<u32>) -> Self {
+        Self { scene, view, plan: Self::plan(scene, &view.sensor, most_bounces) }
+    }
+
+    /// The plan of direct light.
+    pub fn plan(scene: &Scene, sensor: &Sensor, most_bounces: Option<u32>) -> Plan {
+        Plan { direct_only: true, most_bounces, ..Plan::of(scene, sensor, Strategies::DIRECT) }
     }
 
     /// Nothing gathered yet.
@@ -51,7 +54,7 @@ impl<'a> DirectLight<'a> {
 
     /// Takes the next block of a film, of so many samples in every pixel.
     pub fn block(&self, film: &mut Film, seed: u64, samples_per_pixel: u32) {
-        let of = BlockOf { seed, number: film.blocks(), size: samples_per_pixel };
+        let of = BlockOf { seed, number: film.blocks(), size: samples_per_pixel, direct_light: true };
         render_block(&self.tracer(), self.view, film, &of, &|_| {});
         film.finish_block(samples_per_pixel);
     }

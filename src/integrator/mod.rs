@@ -4,6 +4,7 @@
 //! under different lists of strategies; the block loop that feeds the film is `blocks`.
 
 mod blocks;
+mod depth;
 mod direct;
 mod in_order;
 mod measure;
@@ -13,9 +14,13 @@ mod stopping;
 mod tracer;
 
 pub(crate) use blocks::BlockOf;
+pub use blocks::{Taken, block_size};
+pub use depth::{Bounded, DIVERGENT_BOUNCES, Divergence, Truncation};
 pub(crate) use direct::DirectLight;
 pub(crate) use in_order::InOrder;
-pub use measure::{Reading, read_meters};
+pub use measure::{
+    MeterTaken, Reading, eye_of, instrument_plan, meter_sensor, read_meters, read_meters_under,
+};
 pub use pyramid::{Pyramid, StrategyFilms, render_pyramid};
 pub(crate) use run::{Clock, Gathered, Source, cpu_seconds};
 pub use run::{End, Progress, Rendering, Silent, Spent, State};
@@ -100,7 +105,8 @@ impl Integrator {
     }
 }
 
-/// Renders a view of a scene under a plan, by independent samples.
+/// Renders a view of a scene under a plan, by independent samples. Where radiance has no finite
+/// value, paths are cut off and the rendering says so.
 pub fn render(
     scene: &Scene,
     view: &View,
@@ -120,8 +126,11 @@ fn sample(
     from: Option<State>,
 ) -> Rendering {
     let clock = Clock::start(from.as_ref());
-    let source = blocks::Samples { tracer: Tracer::new(scene, plan, Eye::Camera(&view.camera)), view, plan };
+    let eye = Eye::Camera(&view.camera);
+    let bounded = Bounded::of(scene, plan, eye);
+    let tracer = Tracer::new(scene, &bounded.plan, eye);
+    let source = blocks::Samples { tracer, view, plan: &bounded.plan };
     let mut state = from.unwrap_or_else(|| State::begin(&source, budget, &clock, None));
     state.run(&source, budget, &clock, progress);
-    state.finish(&source, None)
+    state.finish(&source, None, |film| bounded.truncation(&film.fates))
 }

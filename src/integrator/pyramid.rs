@@ -60,7 +60,7 @@ pub fn render_pyramid(
         if size == 0 {
             break;
         }
-        let block = BlockOf { seed: budget.seed, number, size };
+        let block = BlockOf { seed: budget.seed, number, size, direct_light: false };
         let merge = InOrder::new(|_, result: RowResult| add(&mut pyramid, &result, channels));
         (0..height).into_par_iter().with_max_len(1).for_each(|row| {
             merge.add(row as usize, find(tracer, view, &block, row, longest));
@@ -84,7 +84,7 @@ fn add(pyramid: &mut Pyramid, result: &RowResult, channels: usize) {
         films.weighted.add_splats(&[*pixel], &weighted);
     }
     for films in pyramid.values_mut() {
-        films.unweighted.non_finite_samples += result.non_finite;
+        films.unweighted.faults.count += result.non_finite;
     }
 }
 

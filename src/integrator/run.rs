@@ -5,6 +5,7 @@
 //! how often the run was interrupted.
 
 use super::blocks::BlockOf;
+use super::depth::Truncation;
 use super::stopping::{Budget, Pace, Reason};
 use crate::camera::Film;
 use crate::metropolis::{Chains, Learned, Outcome};
@@ -42,6 +43,8 @@ pub struct Rendering {
     pub elapsed: Duration,
     /// What chains say about themselves, where there were any.
     pub metropolis: Option<Outcome>,
+    /// What a limit on bounces has cut off, and what was trapped.
+    pub truncation: Truncation,
     /// What ended each half of the picture, or the whole of it.
     pub ends: Vec<End>,
     /// What all parts have cost.
@@ -176,7 +179,7 @@ impl State {
                     progress.within_block(budget, clock.elapsed(), before + share * f64::from(size));
                 };
                 let began = Instant::now();
-                let of = BlockOf { seed: budget.seed_of(half), number, size };
+                let of = BlockOf { seed: budget.seed_of(half), number, size, direct_light: false };
                 source.block(&mut self.halves[half].gathered, &of, &within);
                 self.halves[half].seconds += began.elapsed().as_secs_f64();
             }
@@ -236,14 +239,21 @@ impl State {
     }
 
     /// The finished picture.
-    pub(crate) fn finish(&self, source: &dyn Source, metropolis: Option<Outcome>) -> Rendering {
+    pub(crate) fn finish(
+        &self,
+        source: &dyn Source,
+        metropolis: Option<Outcome>,
+        truncation: impl FnOnce(&Film) -> Truncation,
+    ) -> Rendering {
         let verdict = |half: usize| self.halves[half].verdict.unwrap_or(Reason::Samples);
         let ends = self.halves.iter().enumerate().map(|(index, half)| End {
             samples_per_pixel: half.estimate().film.samples_per_pixel(),
             by: verdict(self.halves.len() - 1 - index),
         });
+        let film = self.picture_of(source, Half::estimate).into_owned();
         Rendering {
-            film: self.picture_of(source, Half::estimate).into_owned(),
+            truncation: truncation(&film),
+            film,
             elapsed: Duration::try_from_secs_f64(self.spent.seconds).unwrap_or_default(),
             metropolis,
             ends: ends.collect(),

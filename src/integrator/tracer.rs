@@ -47,6 +47,12 @@ impl<'a> Tracer<'a> {
     /// wavelength (irradiance in W m^-2 nm^-1 for an irradiance meter), whose mean over lanes
     /// and samples is the truth.
     pub fn trace(&self, draw: &Draw<'_>, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
+        let most_vertices = self.plan.most_bounces.map_or(usize::MAX, |most| most as usize + 2);
+        let put = &mut |found: &Contribution| {
+            if found.s + found.t <= most_vertices || !found.estimate.is_finite() {
+                put(found);
+            }
+        };
         if self.plan.lanes_differ {
             self.trace_with::<Lanes>(draw, paths, put);
         } else {
@@ -74,8 +80,19 @@ impl<'a> Tracer<'a> {
     /// What the sample adds where it was drawn; contributions elsewhere in the picture are
     /// left out.
     pub fn gather(&self, draw: &Draw<'_>, paths: &mut Subpaths) -> Spectrum {
+        self.gather_seen(draw, paths, |_| {})
+    }
+
+    /// The same; `see` is shown every contribution.
+    pub fn gather_seen(
+        &self,
+        draw: &Draw<'_>,
+        paths: &mut Subpaths,
+        mut see: impl FnMut(&Contribution),
+    ) -> Spectrum {
         let mut sum = Spectrum::ZERO;
         self.trace(draw, paths, &mut |contribution| {
+            see(contribution);
             if contribution.position.is_none() || matches!(self.eye, Eye::Irradiance(_)) {
                 sum += contribution.estimate * contribution.weight;
             }
@@ -131,15 +148,15 @@ impl<'a> Tracer<'a> {
         let (start, mut heading) = walker.from_eye(&self.eye, &drawn, self.media);
         paths.eye.push(start);
         let mut scattered = false;
-        loop {
+        let fate = loop {
             let from = paths.eye.last().expect("the eye is there");
-            let Some(vertex) = walker.arrive(from, &mut heading) else { break };
+            let Some(vertex) = walker.arrive(from, &mut heading) else { break heading.fate };
             paths.eye.push(vertex);
             if strategies.meets_lights {
                 joiner.met_light(paths, put);
             }
             if self.plan.direct_only && scattered {
-                break;
+                break heading.fate;
             }
             if !vertex.is_mirror() {
                 if strategies.asks_lights {
@@ -152,11 +169,15 @@ impl<'a> Tracer<'a> {
                 }
             }
             if !walker.leave(&mut paths.eye, &mut heading) {
-                break;
+                if !heading.is_finite() {
+                    joiner.lost((0, paths.eye.len()), put);
+                }
+                break heading.fate;
             }
             // By what happened there, not by what may: some glass does both.
             scattered |= paths.eye.last().is_some_and(|vertex| !vertex.is_delta);
-        }
+        };
+        paths.fates.from_eye.note(fate);
     }
 }
 
@@ -178,7 +199,7 @@ fn walk_from_light<'a, D: Density>(
     let (start, mut heading) = walker.from_light(index, probability, &emitted);
     paths.emitted = light.emission(walker.wavelengths);
     paths.light.push(start);
-    loop {
+    let fate = loop {
         let from = paths.light.last().expect("the light is there");
         let before = heading;
         let met = if walker.plan.strategies.meets_eye { joiner.eye.meet(&before.ray) } else { None };
@@ -188,14 +209,18 @@ fn walk_from_light<'a, D: Density>(
         {
             joiner.met_eye(paths, &before, point, distance, put);
         }
-        let Some(vertex) = vertex else { break };
+        let Some(vertex) = vertex else { break heading.fate };
         if paths.light.len() == 1 {
             paths.asked = joiner.asked_by(&start, &vertex);
             heading.asked = paths.asked;
         }
         paths.light.push(vertex);
         if !walker.leave(&mut paths.light, &mut heading) {
-            break;
+            if !heading.is_finite() {
+                joiner.lost((paths.light.len(), 0), put);
+            }
+            break heading.fate;
         }
-    }
+    };
+    paths.fates.from_lights.note(fate);
 }

@@ -64,8 +64,9 @@ impl BsdfSample {
     /// density vanishes.
     pub(super) fn of_lobe(wi: Vec3A, judged: BsdfValue, is_transmission: bool) -> Option<Self> {
         let BsdfValue { value, pdf } = judged;
-        let drawable = pdf.hero() > 0.0 && wi.is_finite();
-        drawable.then_some(Self { wi, value, pdf, is_delta: false, is_transmission, hero_only: false })
+        // What is no number is handed on, to be counted; only nothing is nothing.
+        let is_nothing = pdf.hero() <= 0.0;
+        (!is_nothing).then_some(Self { wi, value, pdf, is_delta: false, is_transmission, hero_only: false })
     }
 
     /// The same draw for the hero alone.

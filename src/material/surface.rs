@@ -63,6 +63,16 @@ impl Material {
         }
     }
 
+    /// What it is, in a word.
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::Lambertian { .. } => "lambertian",
+            Self::Mirror { .. } => "mirror",
+            Self::Dielectric { .. } => "dielectric",
+            Self::Conductor { .. } => "conductor",
+        }
+    }
+
     /// Absorption coefficient per scene unit of the medium inside; `None` where light loses
     /// nothing.
     pub const fn absorption(&self) -> Option<&Dense> {

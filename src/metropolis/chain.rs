@@ -1,11 +1,12 @@
 //! One chain: paths, each made from the one before, and what they leave in the picture.
 
-use super::mutation::{Mutation, Mutator, Place};
+use super::mutation::{Mutation, Mutator, Origin, Place};
 use super::normalisation::Estimates;
 use super::numbers::Numbers;
 use super::path::Path;
 use super::report::{Blocks, Counts};
 use super::world::World;
+use crate::replay::Faults;
 
 /// Probability that a mutation is a fresh path, whatever the path is like: their number must
 /// not depend on where the chain is, for what they find tells the level of the picture.
@@ -55,10 +56,11 @@ pub struct Chain<'w, 'a> {
 
 impl<'w, 'a> Chain<'w, 'a> {
     /// A chain that sets out from a path.
-    pub fn new(world: &'w World<'a>, place: Place, start: Path, numbers: Numbers) -> Self {
+    pub fn new(world: &'w World<'a>, place: Place, origin: Origin, start: Path, numbers: Numbers) -> Self {
+        let mutator = Mutator { origin, ..Mutator::new(world, place) };
         Self {
             world,
-            mutator: Mutator::new(world, place),
+            mutator,
             numbers,
             proposal: Path::empty(start.wavelengths),
             state: start,
@@ -90,6 +92,11 @@ impl<'w, 'a> Chain<'w, 'a> {
         }
     }
 
+    /// Proposals whose worth was not a number; they were never accepted.
+    pub const fn faults(&self) -> &Faults {
+        &self.mutator.faults
+    }
+
     fn step(&mut self, splats: &mut Splats) {
         let mutation = self.choose();
         let proposed = self.mutator.propose(mutation, &self.state, &mut self.proposal, &mut self.numbers);
@@ -110,7 +117,6 @@ impl<'w, 'a> Chain<'w, 'a> {
         self.pending += 1.0 - acceptance;
         self.counts.note_stood(self.made_by, 1.0 - acceptance);
         self.counts.note_stood(mutation, acceptance);
-        self.counts.non_finite += std::mem::take(&mut self.mutator.non_finite);
         self.blocks.note(self.world, &[(&self.state, 1.0 - acceptance), (&self.proposal, acceptance)]);
         if accepted {
             self.leave(splats);

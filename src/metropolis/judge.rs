@@ -26,7 +26,8 @@ impl Path {
     /// direct light, or cannot be made afresh.
     pub fn judge(&mut self, world: &World<'_>) -> bool {
         self.ln_target = f64::NEG_INFINITY;
-        if self.count() < 3 || self.is_direct() {
+        let most_vertices = world.plan.most_bounces.map_or(usize::MAX, |most| most as usize + 2);
+        if self.count() < 3 || self.count() > most_vertices || self.is_direct() {
             return false;
         }
         self.measure(world);
@@ -121,7 +122,8 @@ impl Path {
     }
 
     /// Radiance in the world's unit times the eye's response along the path, over a factor of
-    /// which the logarithm comes with it; `None` where it is nothing.
+    /// which the logarithm comes with it; `None` where it is nothing. What is no number is handed
+    /// on as it is.
     fn value(&self, world: &World<'_>, sight_pdf: f64) -> Option<(Spectrum, f64)> {
         let last = self.count() - 1;
         let Kind::Light { light, .. } = self.nodes[0].kind else { return None };
@@ -151,15 +153,18 @@ impl Path {
                 value *= scattering.value;
                 geometry *= scattering.measure[0];
             }
+            if !value.is_finite() {
+                return Some((value, ln));
+            }
             // Kept near one: long paths and small solid angles leave the range of numbers.
             let largest = value.max();
-            if largest <= 0.0 || !largest.is_finite() {
+            if largest <= 0.0 {
                 return None;
             }
             value *= 1.0 / largest;
             ln += (geometry * f64::from(largest)).ln();
         }
-        (ln.is_finite() && value.is_finite()).then_some((value, ln))
+        (ln != f64::NEG_INFINITY).then_some((value, ln))
     }
 
     fn squared_distance(&self, index: usize) -> f64 {

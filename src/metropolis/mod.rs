@@ -39,7 +39,7 @@ mod report;
 mod start;
 mod world;
 
-pub use mutation::{Mutation, Mutator, Place};
+pub use mutation::{Mutation, Mutator, Origin, Place};
 pub use node::Node;
 pub use normalisation::Estimates;
 pub use numbers::{Numbers, Steps};

@@ -136,6 +136,12 @@ impl Path {
         normal.dot(self.direction(index, End::Light)) * normal.dot(self.direction(index, End::Eye)) < 0.0
     }
 
+    /// What scatters at a vertex towards the eye, once the path has been judged that far: f |cos|,
+    /// or the coefficient of a delta.
+    pub fn scattering_value(&self, index: usize) -> Option<Spectrum> {
+        Some(self.scatterings.get(index)?.as_ref()?.value)
+    }
+
     /// Logarithm of the density with which a strategy makes the path, for the hero.
     pub fn ln_strategy(&self, s: usize) -> f64 {
         self.strategies[s][0]

@@ -3,7 +3,7 @@
 use super::chain::{Chain, Splats};
 use super::film::ChainFilm;
 use super::lengths::Lengths;
-use super::mutation::Place;
+use super::mutation::{Origin, Place};
 use super::normalisation::Estimates;
 use super::numbers::Numbers;
 use super::report::{Convergence, Counts, Report};
@@ -11,9 +11,11 @@ use super::start::{ENOUGH_FOUND, Use};
 use super::world::World;
 use crate::camera::Film;
 use crate::integrator::{
-    BlockOf, Budget, Clock, DirectLight, FEWEST_SAMPLES, Gathered, InOrder, Progress, Rendering, Source,
-    State,
+    BlockOf, Bounded, Budget, Clock, DirectLight, FEWEST_SAMPLES, Gathered, InOrder, Progress, Rendering,
+    Source, State,
 };
+use crate::path::Eye;
+use crate::replay::Faults;
 use crate::sampler::mix;
 use crate::scene::{Plan, Scene, View};
 use rayon::prelude::*;
@@ -80,6 +82,8 @@ pub struct Learned {
     search_at_least: u64,
     /// Vertices after which a search gives up.
     most_vertices: u64,
+    /// Paths whose worth was not a number.
+    faults: Faults,
 }
 
 impl Learned {
@@ -97,6 +101,7 @@ pub struct Chains {
     counts: Counts,
     estimates: Estimates,
     convergence: Convergence,
+    faults: Faults,
 }
 
 impl Chains {
@@ -143,7 +148,9 @@ pub(crate) fn go_on(
     from: Option<State>,
 ) -> Rendering {
     let clock = Clock::start(from.as_ref());
-    let mut world = World::new(scene, view, plan);
+    let eye = Eye::Camera(&view.camera);
+    let bounded = Bounded::of(scene, plan, eye);
+    let mut world = World::new(scene, view, &bounded.plan);
     let learned = match from.as_ref().and_then(|state| state.learned.clone()) {
         Some(learned) => {
             world.lengths = learned.lengths.clone().among(plan.strategies);
@@ -151,14 +158,17 @@ pub(crate) fn go_on(
         }
         None => learn(&mut world, budget),
     };
-    let direct = DirectLight::new(scene, view);
+    let direct = DirectLight::new(scene, view, bounded.plan.most_bounces);
     let is_seen = direct.is_seen(direct_seed(budget.seed));
     let source =
         Mutated { world: &world, learned: &learned, direct, per_direct: PER_DIRECT[usize::from(!is_seen)] };
     let mut state = from.unwrap_or_else(|| State::begin(&source, budget, &clock, Some(learned.clone())));
     state.run(&source, budget, &clock, progress);
     let outcome = outcome(&world, &learned, &state);
-    state.finish(&source, Some(outcome))
+    let mut rendering = state
+        .finish(&source, Some(outcome), |_| bounded.truncation(&bounded.fates_beside_chains(scene, eye)));
+    rendering.film.faults.merge(learned.faults.clone());
+    rendering
 }
 
 /// Learns how long fresh paths are to be. The halves of a run share it: what it was learned from
@@ -171,9 +181,11 @@ fn learn(world: &mut World<'_>, budget: &Budget) -> Learned {
         None => MOST_VERTICES,
     };
     let (mut found_none_in, mut needed) = (None, 0);
+    let mut faults = Faults::default();
     for round in 0..LEARNING_ROUNDS {
         let seed = mix(budget.seed ^ mix(Use::Pilot as u64 + (round << 8)));
         let search = world.find(seed, learning, most);
+        faults.merge(search.faults.clone());
         if search.found.is_empty() {
             found_none_in = Some(search.estimates.paths);
             break;
@@ -187,6 +199,7 @@ fn learn(world: &mut World<'_>, budget: &Budget) -> Learned {
         found_none_in,
         search_at_least: needed.div_ceil(fewest_blocks(budget)),
         most_vertices: most,
+        faults,
     }
 }
 
@@ -261,6 +274,7 @@ impl Source for Mutated<'_, '_> {
             counts: Counts::default(),
             estimates: Estimates::default(),
             convergence: Convergence::default(),
+            faults: Faults::default(),
         };
         Gathered { film, chains: Some(chains) }
     }
@@ -294,7 +308,8 @@ impl Source for Mutated<'_, '_> {
             let variance = (b * error).powi(2) + (share * b_error).powi(2) + other_error.powi(2);
             (b * share + other, variance.sqrt())
         });
-        film.non_finite_samples = direct.non_finite_samples + chains.counts.non_finite;
+        film.faults = direct.faults.clone();
+        film.faults.merge(chains.faults.clone());
         Cow::Owned(film)
     }
 }
@@ -315,6 +330,7 @@ impl Mutated<'_, '_> {
         if search.found.len() < ENOUGH_FOUND {
             search.extend(world.find(key, count, learned.most_vertices));
         }
+        gathered.faults.merge(std::mem::take(&mut search.faults));
         if search.found.is_empty() {
             // Nothing was found where a first search did find something: a block of weight zero.
             return;
@@ -324,7 +340,8 @@ impl Mutated<'_, '_> {
             .zip(starts)
             .map(|(chain, start)| {
                 let place = Place { key, chain, bits: CHAINS.trailing_zeros(), drawn: 0 };
-                Chain::new(world, place, start, Numbers::of(&[key, u64::from(chain)]))
+                let origin = Origin { seed, block: Some(number), chain: Some(chain), number: 0 };
+                Chain::new(world, place, origin, start, Numbers::of(&[key, u64::from(chain)]))
             })
             .collect();
         let count = chains.len() as u64;
@@ -344,6 +361,7 @@ impl Mutated<'_, '_> {
         for chain in chains {
             gathered.counts.merge(&chain.counts);
             gathered.estimates.merge(&chain.estimates);
+            gathered.faults.merge(chain.faults().clone());
             gathered.convergence.add(chain.blocks);
         }
         gathered.film.finish_block(u64::from(block.size), search.estimates.mean());

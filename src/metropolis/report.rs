@@ -10,8 +10,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Counts {
     by_mutation: [Count; Mutation::ALL.len()],
-    /// Paths whose worth was not a number.
-    pub non_finite: u64,
     /// Longest run of turns in which one path stayed.
     pub longest_rejection: u64,
 }
@@ -57,7 +55,6 @@ impl Counts {
             count.new_kinds += more.new_kinds;
             count.stood += more.stood;
         }
-        self.non_finite += other.non_finite;
         self.longest_rejection = self.longest_rejection.max(other.longest_rejection);
     }
 

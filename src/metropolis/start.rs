@@ -5,11 +5,12 @@
 
 use super::chain::Chain;
 use super::lengths::Lengths;
-use super::mutation::{Mutator, Place};
+use super::mutation::{Mutation, Mutator, Origin, Place};
 use super::normalisation::Estimates;
 use super::numbers::Numbers;
 use super::path::{Path, ln_sum};
 use super::world::World;
+use crate::replay::Faults;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -51,6 +52,8 @@ pub struct Search {
     pub estimates: Estimates,
     /// Vertices that were looked at: what the search has cost.
     pub vertices: u64,
+    /// Paths whose worth was not a number.
+    pub faults: Faults,
 }
 
 impl Search {
@@ -59,6 +62,7 @@ impl Search {
         self.found.extend(other.found);
         self.estimates.merge(&other.estimates);
         self.vertices += other.vertices;
+        self.faults.merge(other.faults);
     }
 }
 
@@ -99,17 +103,21 @@ impl World<'_> {
     pub fn search(&self, seed: u64, block: u64, count: u64) -> Search {
         let piece = |first: u64| {
             let mut mutator = Mutator::new(self, Place { key: 0, chain: 0, bits: 0, drawn: 0 });
+            mutator.origin = Origin { seed, block: Some(block), chain: None, number: first };
             let mut path = Path::empty(self.plan.wavelengths.sample(0.0));
             let mut piece = Search::default();
             for index in first..count.min(first + PIECE) {
                 let names = [seed, Use::Start as u64, block, index];
                 let made = mutator.fresh(&mut path, &mut Numbers::of(&names));
+                mutator.note_fault(Mutation::Fresh, &mut path, false);
+                mutator.origin.number += 1;
                 piece.estimates.add(made.map(|()| path.ln_estimate().exp()));
                 piece.vertices += mutator.draft.vertices();
                 if made.is_some() {
                     piece.found.push(Found { names, ln_estimate: path.ln_estimate() });
                 }
             }
+            piece.faults = mutator.faults;
             piece
         };
         let pieces: Vec<Search> =
@@ -125,7 +133,8 @@ impl World<'_> {
         let each = |(index, start): (usize, Path)| {
             let names = [seed, Use::PilotChain as u64, index as u64];
             let place = Place { key: seed, chain: 0, bits: 0, drawn: 0 };
-            let mut chain = Chain::new(self, place, start, Numbers::of(&names));
+            let origin = Origin { seed, block: None, chain: Some(index as u32), number: 0 };
+            let mut chain = Chain::new(self, place, origin, start, Numbers::of(&names));
             let mut moments = Moments::default();
             // A chain is at a path in proportion to its target.
             chain.explore(mutations, |path| moments.add(path));

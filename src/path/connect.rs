@@ -45,6 +45,20 @@ impl Found {
     }
 }
 impl<'a, D: Density> Joiner<'a, '_, D> {
+    /// A walk has come upon something that is no number, and ends: what it would have brought is
+    /// not known. The sample must not pass for black. `s` or `t` vertices were walked.
+    pub fn lost(&self, (s, t): (usize, usize), put: &mut impl FnMut(&Contribution)) {
+        put(&Contribution {
+            s,
+            t,
+            estimate: Spectrum::splat(f32::NAN),
+            weight: 1.0,
+            position: None,
+            end: None,
+            kept: 1.0,
+        });
+    }
+
     /// s = 0: the subpath from the eye has met a surface that shines.
     pub fn met_light(&self, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
         let [.., before, last] = &paths.eye[..] else { return };
@@ -126,13 +140,13 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let t = paths.eye.len();
         let [u_far, u_chosen] = self.walker.sampler.pair(Stream::Visibility, t as u32);
         for s in 2..=paths.light.len().min(NEAREST) {
-            self.propose(paths, s, 1.0);
+            self.propose(paths, s, 1.0, put);
         }
         // Of the vertices farther down a long subpath, one stands for all.
         let far = paths.light.len().saturating_sub(NEAREST);
         if far > 0 {
             let index = ((u_far * far as f32) as usize).min(far - 1);
-            self.propose(paths, NEAREST + 1 + index, 1.0 / far as f32);
+            self.propose(paths, NEAREST + 1 + index, 1.0 / far as f32, put);
         }
         let total: f32 = paths.proposals.iter().map(|proposal| proposal.size).sum();
         let mut left = u_chosen * total;
@@ -158,7 +172,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
     pub fn join_each(&self, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
         for s in 2..=paths.light.len() {
             paths.proposals.clear();
-            self.propose(paths, s, 1.0);
+            self.propose(paths, s, 1.0, put);
             let Some(Proposal { contribution, .. }) = paths.proposals.pop() else { continue };
             let (light, [.., eye]) = (&paths.light[s - 1], &paths.eye[..]) else { return };
             let Some(ray) = eye.point.ray_to(&light.point) else { continue };
@@ -168,8 +182,9 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         }
     }
 
-    /// Judges the joint of a vertex that light has reached, which was picked with a chance.
-    fn propose(&self, paths: &mut Subpaths, s: usize, chance: f32) {
+    /// Judges the joint of a vertex that light has reached, which was picked with a chance. What
+    /// is no number cannot be chosen in proportion to it, and is handed on at once.
+    fn propose(&self, paths: &mut Subpaths, s: usize, chance: f32, put: &mut impl FnMut(&Contribution)) {
         let walker = &self.walker;
         let t = paths.eye.len();
         if paths.light[s - 1].is_mirror() || !walker.plan.strategies.plans(s, t) {
@@ -211,7 +226,9 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let found = Found::here(estimate * (1.0 / chance));
         let contribution = Contribution { kept: chance, ..self.judged(paths, &joint, found) };
         let size = contribution.estimate.mean() * contribution.weight;
-        if size > 0.0 && size.is_finite() {
+        if !size.is_finite() {
+            put(&Contribution { estimate: Spectrum::splat(size), ..contribution });
+        } else if size > 0.0 {
             paths.proposals.push(Proposal { contribution, size });
         }
     }

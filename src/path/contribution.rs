@@ -1,5 +1,6 @@
 //! What a path contributes, and the subpaths that it came from.
 
+use super::fate::BothFates;
 use super::vertex::Vertex;
 use super::weights::Known;
 use crate::geometry::SurfacePoint;
@@ -49,6 +50,8 @@ pub struct Subpaths {
     pub emitted: Spectrum,
     /// Density with which the second vertex of the first would ask for its first.
     pub asked: f64,
+    /// What became of all walks since this was last taken.
+    pub fates: BothFates,
     pub(super) known: Vec<Known>,
     pub(super) proposals: Vec<Proposal>,
 }
@@ -62,7 +65,7 @@ pub(super) struct Proposal {
 }
 
 impl Subpaths {
-    /// Forgets both subpaths.
+    /// Forgets both subpaths, but not what became of them.
     pub fn clear(&mut self) {
         self.light.clear();
         self.eye.clear();

@@ -6,7 +6,9 @@
 //! its density is zero from there on.
 
 use super::eye::{Eye, EyeRay};
+use super::fate::Fate;
 use super::media::Media;
+use super::roulette::Roulette;
 use super::vertex::{Kind, Surface, Vertex};
 use super::weights;
 use crate::geometry::{Ray, SurfacePoint};
@@ -20,11 +22,18 @@ use glam::Vec3A;
 
 /// Bounces before a subpath from the eye may be ended at random.
 const SURE_BOUNCES: u32 = 3;
-/// Bounces after which light counts as trapped, as by total reflection in clear glass.
-const TRAPPED_BOUNCES: u32 = 1000;
-/// Probability that trapped light is followed on, however much it carries: paths end, and the
-/// variance stays finite wherever a bounce keeps less than 99.95 %.
-const TRAPPED_SURVIVAL: f32 = 0.999;
+/// Bounces after which light that has lost nothing counts as trapped, as by total reflection in
+/// clear glass.
+pub const TRAPPED_BOUNCES: u32 = 1000;
+/// What light may have lost by then and still count as having lost nothing: what rounding makes
+/// of that many factors of one.
+const NOTHING_LOST: f32 = 1e-4;
+/// Trapped light reaches bounce n with probability (1000 / n)^3: such paths end, after 500 more
+/// bounces on average. The weight of what lives on grows by a power of n, so the variance is
+/// finite wherever light that is trapped for long is lost exponentially, however slowly; with a
+/// constant probability it would be infinite where a bounce loses less than half of what that
+/// gives away.
+const TRAPPED_POWER: i32 = 3;
 
 /// What a walk happens in.
 #[derive(Clone, Copy)]
@@ -64,6 +73,8 @@ pub struct Heading {
     pub survival: f32,
     /// Surfaces left so far.
     pub bounce: u32,
+    /// What has become of the walk.
+    pub fate: Fate,
     /// What the throughput would be if no light had been lost: where the walk began, times the
     /// n^2 factors since then.
     lossless: f32,
@@ -82,8 +93,26 @@ impl Heading {
             asked: 0.0,
             survival: 1.0,
             bounce: 0,
+            fate: Fate::default(),
             lossless: throughput,
         }
+    }
+
+    /// Whether everything that it carries is a number.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        self.throughput.is_finite() && self.lanes.is_finite() && self.ray.direction.is_finite()
+    }
+
+    /// What it carries of what it set out with, n^2 factors aside: those come back when it
+    /// leaves the medium.
+    fn carried(&self, throughput: f32) -> f32 {
+        throughput / (self.lanes.mean() * self.lossless)
+    }
+
+    /// Whether a walk that carries so much has lost nothing but what rounding takes.
+    fn has_lost_nothing(&self, carried: f32) -> bool {
+        carried * self.survival >= 1.0 - NOTHING_LOST
     }
 
     /// Density per area with which the ray reaches a vertex.
@@ -158,7 +187,8 @@ impl<'a> Walker<'a, '_> {
     }
 
     /// Draws where the subpath goes on from its last vertex, and completes what the last two
-    /// vertices know; false where it ends.
+    /// vertices know; false where it ends. Where that is because something is no number, the
+    /// heading is not finite either.
     #[inline]
     pub fn leave(&self, subpath: &mut [Vertex], heading: &mut Heading) -> bool {
         let (last, before) = subpath.split_last_mut().expect("a walk has come from somewhere");
@@ -170,8 +200,16 @@ impl<'a> Walker<'a, '_> {
         let u = self.sampler.pair(direction, heading.bounce);
         let u_lobe = if surface.bsdf.transmits() { self.sampler.single(lobe, heading.bounce) } else { 0.0 };
         let wo = surface.shading.to_local(last.to_previous);
+        if !wo.is_finite() {
+            heading.ray.direction = wo;
+            return false;
+        }
         let Some(drawn) = surface.bsdf.sample(wo, u_lobe, u, heading.quantity) else { return false };
         let direction = surface.shading.to_world(drawn.wi).normalize();
+        if !direction.is_finite() {
+            heading.ray.direction = direction;
+            return false;
+        }
         if drawn.value.is_black() || !last.sides_agree(surface, direction) {
             return false;
         }
@@ -190,7 +228,7 @@ impl<'a> Walker<'a, '_> {
         }
         self.turn(last, &drawn, direction, heading);
         last.is_delta = drawn.is_delta;
-        self.survives(heading)
+        heading.is_finite() && self.survives(heading)
     }
 
     fn turn(&self, vertex: &Vertex, drawn: &BsdfSample, direction: Vec3A, heading: &mut Heading) {
@@ -214,27 +252,55 @@ impl<'a> Walker<'a, '_> {
         heading.bounce += 1;
     }
 
-    /// Russian roulette on what the subpath still carries, n^2 factors aside: those come back
-    /// when it leaves the medium. Subpaths from a light are ended from the first bounce on, in
-    /// proportion to the power that they lose: all that go on carry the same.
+    /// Russian roulette on what the subpath still carries. Subpaths from a light are ended from
+    /// the first bounce on, in proportion to the power that they lose: all that go on carry the
+    /// same.
     fn survives(&self, heading: &mut Heading) -> bool {
-        let (stream, sure) = match heading.quantity {
-            Quantity::Radiance => (Stream::Roulette, SURE_BOUNCES),
-            Quantity::Importance => (Stream::LightRoulette, 0),
+        if self.plan.most_bounces.is_some_and(|most| heading.bounce > most) {
+            // The first trapped bounce may be this one.
+            note_trapped(heading);
+            heading.fate.cut = Some(heading.carried(heading.throughput.mean()));
+            return false;
+        }
+        let (stream, sure) = match (heading.quantity, self.plan.roulette) {
+            (Quantity::Radiance, Roulette::Carried) => (Stream::Roulette, SURE_BOUNCES),
+            (Quantity::Radiance, Roulette::Constant(_)) => (Stream::Roulette, 0),
+            (Quantity::Importance, _) => (Stream::LightRoulette, 0),
         };
         if heading.bounce <= sure {
             return true;
         }
-        let carried = heading.throughput.max() / (heading.lanes.mean() * heading.lossless);
-        let most = if heading.bounce < TRAPPED_BOUNCES { 1.0 } else { TRAPPED_SURVIVAL };
-        if carried >= most && most == 1.0 {
+        note_trapped(heading);
+        let carried = heading.carried(heading.throughput.max());
+        let survival = if heading.fate.trapped.is_some() {
+            trapped_survival(heading.bounce).min(carried)
+        } else {
+            self.plan.roulette.survival(carried)
+        };
+        if survival >= 1.0 {
             return true;
         }
-        let survival = carried.min(most);
         let survives = self.sampler.single(stream, heading.bounce) < survival;
+        heading.fate.ended_by_rounding =
+            !survives && heading.fate.trapped.is_none() && heading.has_lost_nothing(carried);
         heading.throughput *= 1.0 / survival;
         heading.survival *= survival;
         survives
+    }
+}
+
+/// Probability with which trapped light reaches a bounce from the one before.
+fn trapped_survival(bounce: u32) -> f32 {
+    (1.0 - 1.0 / bounce as f32).powi(TRAPPED_POWER)
+}
+
+/// Notes that a walk has lost nothing in very many bounces.
+fn note_trapped(heading: &mut Heading) {
+    if heading.bounce != TRAPPED_BOUNCES {
+        return;
+    }
+    if heading.has_lost_nothing(heading.carried(heading.throughput.max())) {
+        heading.fate.trapped = Some(heading.carried(heading.throughput.mean()));
     }
 }
 

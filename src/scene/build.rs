@@ -54,6 +54,7 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
         name: file.name.clone(),
         geometry: stage.geometry,
         materials,
+        material_names: file.materials.keys().cloned().collect(),
         objects,
         lights,
         emitters,

@@ -2,6 +2,7 @@
 
 mod build;
 mod chain;
+mod closure;
 pub mod file;
 mod file_camera;
 mod file_spectrum;
@@ -15,6 +16,7 @@ mod spectra;
 mod view;
 
 pub use chain::{Chain, check_white, equal_energy, white_named};
+pub use closure::{Closure, closure};
 pub use plan::Plan;
 pub use reach::{Unreachable, unreachable, unreachable_by_instrument};
 pub use view::CameraFacts;
@@ -39,6 +41,8 @@ pub struct Scene {
     pub geometry: Geometry,
     /// All materials.
     pub materials: Vec<Material>,
+    /// Their names, from the file.
+    pub material_names: Vec<String>,
     /// What each object is made of and whether it shines, by object number.
     pub objects: Vec<SceneObject>,
     /// All lights.

@@ -5,7 +5,7 @@ use super::reach::{Unreachable, unreachable};
 use crate::camera::Sensor;
 use crate::light::Light;
 use crate::material::Material;
-use crate::path::Strategies;
+use crate::path::{Roulette, Strategies};
 use crate::spectrum::{GRID_POINTS, WavelengthSampler, between_grid_points};
 
 /// How a scene is to be rendered.
@@ -20,6 +20,10 @@ pub struct Plan {
     pub joins_each: bool,
     /// Whether paths end behind the first vertex that is no mirror: direct light alone.
     pub direct_only: bool,
+    /// Bounces after which paths are cut off, which loses light; `None`: only roulette ends them.
+    pub most_bounces: Option<u32>,
+    /// How paths are ended at random.
+    pub roulette: Roulette,
     /// Whether the densities of a path differ between its wavelengths.
     pub lanes_differ: bool,
     /// Whether any medium absorbs, so that paths must know what they travel through.
@@ -58,6 +62,8 @@ impl Plan {
             strategies,
             joins_each: false,
             direct_only: false,
+            most_bounces: None,
+            roulette: Roulette::Carried,
             lanes_differ,
             tracks_media,
             reasons,

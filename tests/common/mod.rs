@@ -59,7 +59,7 @@ pub fn assert_reads(what: &str, reading: &Reading, truth: f64, relative: f64) {
         "{what}: {mean} +- {error}, truth {truth} (off by {:.3} %)",
         100.0 * (mean / truth - 1.0)
     );
-    assert_eq!(reading.non_finite_samples, 0, "{what}");
+    assert_eq!(reading.faults.count, 0, "{what}");
 }
 
 /// The plan of path tracing for instruments.

@@ -18,6 +18,7 @@ use super::numbers::{Numbers, Steps};
 use super::path::Path;
 use super::world::World;
 use crate::path::Kind;
+use crate::replay::{ChainPath, Faults, SampleName, name_vertices};
 
 /// The ways to change a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,7 +104,22 @@ pub struct Mutator<'w, 'a> {
     /// Which chain this is of how many, whose positions in the picture are stratified.
     pub place: Place,
     /// Paths whose worth was not a number; they count as void.
-    pub non_finite: u64,
+    pub faults: Faults,
+    /// What made them, by the name that is kept with them.
+    pub origin: Origin,
+}
+
+/// Where paths come from.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Origin {
+    /// Seed of the run.
+    pub seed: u64,
+    /// Block of chains; `None` before the first one.
+    pub block: Option<u64>,
+    /// Chain in its block; `None` for a search.
+    pub chain: Option<u32>,
+    /// Paths made so far.
+    pub number: u64,
 }
 
 /// A chain among others.
@@ -133,7 +149,14 @@ impl<'w, 'a> Mutator<'w, 'a> {
         let [width, height] = world.resolution.map(f64::from);
         let largest = (LARGEST_MOVE * width.hypot(height)).max(2.0 * SMALLEST_MOVE_PX);
         let in_picture = Steps { smallest: SMALLEST_MOVE_PX, largest };
-        Self { world, draft: Draft::default(), in_picture, place, non_finite: 0 }
+        Self {
+            world,
+            draft: Draft::default(),
+            in_picture,
+            place,
+            faults: Faults::default(),
+            origin: Origin::default(),
+        }
     }
 
     /// Proposes a path from another one: the logarithm of the acceptance ratio; `None` where
@@ -154,7 +177,31 @@ impl<'w, 'a> Mutator<'w, 'a> {
             Mutation::Wavelength => self.wavelength(x, y, numbers),
             Mutation::Primary => self.primary(x, y, numbers),
         };
-        self.non_finite += u64::from(y.take_fault() || ratio.is_some_and(f64::is_nan));
+        self.origin.number += 1;
+        self.note_fault(mutation, y, ratio.is_some_and(f64::is_nan));
         ratio.filter(|ratio| !ratio.is_nan())
+    }
+
+    /// Names a path whose worth was not a number.
+    pub fn note_fault(&mut self, mutation: Mutation, path: &mut Path, is_fault: bool) {
+        if path.take_fault() || is_fault {
+            let Origin { seed, block, chain, number } = self.origin;
+            let is_somewhere = path.position.iter().all(|p| p.is_finite());
+            self.faults.note(1, || {
+                SampleName::Chain(ChainPath {
+                    mutation: mutation.name().to_owned(),
+                    seed,
+                    block,
+                    chain,
+                    number,
+                    pixel: is_somewhere.then(|| {
+                        let pixel = self.world.pixel(path.position);
+                        [pixel % self.world.resolution[0], pixel / self.world.resolution[0]]
+                    }),
+                    wavelength_bits: path.u_wavelength.to_bits(),
+                    vertices: name_vertices(&path.nodes),
+                })
+            });
+        }
     }
 }

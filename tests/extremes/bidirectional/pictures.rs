@@ -100,7 +100,9 @@ pub fn a_lamp_beside_one_a_million_times_as_strong_is_not_lost(record: &mut Reco
 
 fn film(scene: &Scene, view: &View, integrator: Integrator, samples_per_pixel: u64, seed: u64) -> Film {
     let plan = Plan::of(scene, &view.sensor, integrator.strategies());
-    integrator.render(scene, view, &plan, &Budget { samples_per_pixel, time: None, seed }, &Silent).film
+    integrator
+        .render(scene, view, &plan, &Budget { samples_per_pixel, time: None, error: None, seed }, &Silent)
+        .film
 }
 
 /// Independent runs of a picture.

@@ -37,7 +37,7 @@ const RUNS: u64 = 16;
 fn rendering(scene: &Scene, integrator: Integrator, samples_per_pixel: u64, seed: u64) -> Rendering {
     let view = scene.view().expect("a camera");
     let plan = Plan::of(scene, &view.sensor, integrator.strategies());
-    let budget = Budget { samples_per_pixel, time: None, seed };
+    let budget = Budget { samples_per_pixel, time: None, error: None, seed };
     integrator.render(scene, view, &plan, &budget, &Silent)
 }
 

@@ -29,9 +29,9 @@ pub fn light_that_is_not_found_is_no_picture(record: &mut Record) {
     let paths = facts["metropolis"]["found_none_in"].as_u64().expect("a number");
     let said =
         format!("found none in {paths} paths; hit probability below {:.1e} at 95 %", 3.0 / paths as f64);
-    record.exactly("exit code", run.code.unwrap_or(-1), 4);
-    record.says("the message", &run.errors, &said);
-    record.exactly("lines of the message", run.errors.lines().count(), 1);
+    record.exactly("exit code", run.code, 4);
+    record.says("the message", &run.err, &said);
+    record.exactly("lines of the message", run.err.lines().count(), 1);
     record.at_least("paths looked at before giving up", paths as f64, 1e6);
     record.holds("no picture is written", !folder.join("out.exr").exists());
 }
@@ -54,8 +54,8 @@ pub fn without_lamps_the_picture_is_black_and_says_why(record: &mut Record) {
             0,
         );
         let run = render(&json, &folder, &format!("--spp 4 --integrator {name}"));
-        record.exactly(format!("{name}: exit code"), run.code.unwrap_or(-1), 0);
-        record.says(format!("{name}: the reason"), &run.errors, "nothing shines: the picture is black");
+        record.exactly(format!("{name}: exit code"), run.code, 0);
+        record.says(format!("{name}: the reason"), &run.err, "nothing shines: the picture is black");
     }
 }
 

@@ -24,7 +24,7 @@ fn film(json: &Value, integrator: Integrator, samples_per_pixel: u64, seed: u64)
     let scene = scene(json);
     let view = scene.view().expect("a camera");
     let plan = Plan::of(&scene, &view.sensor, integrator.strategies());
-    let budget = Budget { samples_per_pixel, time: None, seed };
+    let budget = Budget { samples_per_pixel, time: None, error: None, seed };
     integrator.render(&scene, view, &plan, &budget, &Silent).film
 }
 

@@ -57,7 +57,7 @@ pub fn emissive_triangles_without_area_are_dropped_and_counted(record: &mut Reco
     let read = |degenerate: &[[u32; 3]], integrator| {
         let scene = lit_by(mesh(degenerate), [0.0; 3], [0.0, 0.0, 1.0]);
         let reading = read_with(&scene, integrator, 1 << 12);
-        (reading.photometric.mean, reading.non_finite_samples, scene)
+        (reading.photometric.mean, reading.faults.count, scene)
     };
     for integrator in INTEGRATORS {
         let (truth, _, sound) = read(&[], integrator);

@@ -1,5 +1,6 @@
 //! Sums, threads, stopping and resuming.
 
+mod faults;
 mod program;
 mod resuming;
 mod stopping;
@@ -9,6 +10,7 @@ mod writing;
 
 use crate::case::Case;
 use crate::cases;
+use faults::*;
 use resuming::{
     a_damaged_checkpoint_is_refused, a_killed_run_goes_on_to_the_same_bits,
     another_run_s_checkpoint_is_refused,
@@ -27,4 +29,7 @@ pub const CASES: &[Case] = cases![
     fixed 75 => a_full_disk_costs_nothing_that_was_saved,
     fixed 75 => a_picture_that_cannot_be_written_is_not_lost,
     statistical 76 => ending_at_an_error_does_not_bend_the_mean,
+    fixed 77 => samples_that_are_not_finite_are_counted_and_named,
+    fixed 77 => the_same_name_gives_the_same_sample_bit_by_bit,
+    fixed 77 => a_sum_that_overflows_fails_under_strict_and_is_replayed,
 ];
