@@ -312,6 +312,14 @@ fn wrong_arguments_are_named_with_what_belongs_there() {
         (vec!["--time", "0"], "give a positive number of seconds"),
         (vec!["--time", "nan"], "give a positive number of seconds"),
         (vec!["--time", "5", "--spp", "5"], "cannot be used with"),
+        (vec!["--error", "0"], "give a share between 0 and 1, such as 0.01 or 1%"),
+        (vec!["--error", "120%"], "give a share between 0 and 1, such as 0.01 or 1%"),
+        (vec!["--error", "1%", "--strategies", "shown"], "cannot be used with"),
+        (vec!["--resume"], "--checkpoint <FILE>"),
+        (vec!["--checkpoint", "kept", "--checkpoint-interval=-1"], "give a number of seconds from 0 up"),
+        (vec!["--checkpoint", "out.exr"], "out.exr: the checkpoint would overwrite the output"),
+        (vec!["--checkpoint", "nowhere/kept"], "nowhere/kept: the folder of the output does not exist"),
+        (vec!["--checkpoint", "/dev/null", "--resume"], "/dev/null: a checkpoint is a file"),
         (vec!["--threads", "0"], "'0' for '--threads <N>'"),
         (vec!["--seed", "1.5"], "'1.5' for '--seed <N>'"),
         (vec!["--spectral-layers", "0"], "'0' for '--spectral-layers <N>'"),
@@ -335,6 +343,7 @@ fn wrong_arguments_are_named_with_what_belongs_there() {
         "--photo photo.png",
         "--force-registration",
         "--time 5",
+        "--error 1%",
     ] {
         let message = fail_in_one_line(["validate", "self-test"].into_iter().chain(words.split(' ')));
         let option = words.split(' ').next().expect("an option");
@@ -550,6 +559,39 @@ fn chains_report_on_themselves() {
     }
     let contribution: f64 = rows.iter().map(|row| number(&row["contribution"])).sum();
     assert!((contribution - 1.0).abs() < 1e-9, "{contribution}");
+}
+
+/// A render that ends at an error or a time has two halves, each ended by the other one, and
+/// states an error however short it was.
+#[test]
+fn a_render_says_what_ended_it() {
+    let folder = folder("stopping");
+    let scene = root().join("reference/cornell/scene.json");
+    for integrator in ["path", "light", "bdpt", "mlt"] {
+        for (rule, by, fewest) in [
+            ("--error 25%", "error", 64),
+            ("--time 0.001", "time", 2),
+            ("--error 0.1% --spp 9", "samples", 5),
+        ] {
+            let options = format!("{rule} --resolution 8x6 --integrator {integrator}");
+            let facts = render(&scene, &folder, &options).facts();
+            let ends = facts["stopping"]["ends"].as_array().expect("a list");
+            assert_eq!(ends.len(), 2, "{options}: {ends:?}");
+            let samples = ends.iter().map(|end| {
+                assert_eq!(end["by"], by, "{options}");
+                end["samples_per_pixel"].as_u64().expect("a count")
+            });
+            let samples: Vec<u64> = samples.collect();
+            assert!(samples.iter().all(|count| *count >= fewest), "{options}: {samples:?}");
+            assert_eq!(facts["samples_per_pixel"], samples.iter().sum::<u64>(), "{options}");
+            assert!(facts["relative_error"].as_f64().is_some_and(|error| error > 0.0), "{options}: {facts}");
+        }
+        let facts =
+            render(&scene, &folder, &format!("--spp 8 --resolution 8x6 --integrator {integrator}")).facts();
+        let told = serde_json::json!([{ "samples_per_pixel": 8, "by": "samples" }]);
+        assert_eq!(facts["stopping"]["ends"], told);
+        assert_eq!(facts["parts"], 1);
+    }
 }
 
 /// What is learned before the chains set out fits into the time as well.

@@ -175,9 +175,9 @@ impl Film {
     #[must_use]
     pub fn mean_with(&self, other: &Self) -> Self {
         let mut both = self.clone();
-        both.samples_per_pixel += other.samples_per_pixel;
+        both.samples_per_pixel = self.samples_per_pixel.saturating_add(other.samples_per_pixel);
         // Two means are estimated from the blocks, not one.
-        both.blocks = (self.blocks + other.blocks).saturating_sub(1);
+        both.blocks = self.blocks.saturating_add(other.blocks).saturating_sub(1);
         both.faults.merge(other.faults.clone());
         both.fates.merge(&other.fates);
         both.set(|pixel, channel| {
@@ -214,6 +214,29 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A film of one value that blocks of unequal size gave.
+    fn film(blocks: &[(f64, u32)]) -> Film {
+        let mut film = Film::new([1, 1], 1, false);
+        for (sum, count) in blocks {
+            film.add_row(0, &[*sum], *count);
+            film.finish_block(*count);
+        }
+        film
+    }
+
+    #[test]
+    fn the_mean_of_two_pictures_weighs_both_alike() {
+        let (one, other) = (film(&[(1.0, 1), (3.0, 1)]), film(&[(4.0, 1), (8.0, 1), (24.0, 4)]));
+        let both = one.mean_with(&other);
+        // Means 2 and 6; by hand, squared errors (10 - 8) / 1 / 2 = 1 and (224 - 216) / 2 / 6 = 2/3.
+        assert!((both.mean(0, 0) - 4.0).abs() < 1e-15);
+        let truth = 0.5 * (1.0_f64 + 2.0 / 3.0).sqrt();
+        assert!((both.standard_error(0, 0) / truth - 1.0).abs() < 1e-12);
+        assert_eq!((both.samples_per_pixel(), both.blocks()), (8, 4));
+        let single = film(&[(1.0, 1)]);
+        assert!(single.mean_with(&single).standard_error(0, 0).is_nan(), "one block each says nothing");
+    }
 
     #[test]
     fn unequal_blocks_give_the_textbook_error() {

@@ -1,7 +1,8 @@
 //! Algorithms that turn a scene into a picture: one list, one door.
 //!
 //! [`Integrator`] is what a user names; [`render`] runs it. All are one sample loop ([`Tracer`])
-//! under different lists of strategies; the block loop that feeds the film is `blocks`.
+//! under different lists of strategies, whose blocks `blocks` takes; `run` takes blocks until
+//! `stopping` ends it.
 
 mod blocks;
 mod depth;

@@ -282,6 +282,8 @@ impl State {
         if self.learned.is_some() != has_chains || self.learned.as_ref().is_some_and(|it| !it.is_sound()) {
             return Err("what it has learned is no distribution");
         }
+        /// More samples than any run takes, and blocks: the next ones must be countable.
+        const MOST: (u64, u32) = (1 << 48, 1 << 30);
         let blocks = self.halves[0].gathered.film.blocks();
         for half in &self.halves {
             if half.gathered.film.blocks() != blocks || !half.seconds.is_finite() {
@@ -289,7 +291,8 @@ impl State {
             }
             for gathered in std::iter::once(&half.gathered).chain(&half.ended_with) {
                 let film = &gathered.film;
-                let is_counted = film.samples_per_pixel() <= budget.most_of_half()
+                let is_counted = film.samples_per_pixel() <= budget.most_of_half().min(MOST.0)
+                    && film.blocks() <= MOST.1
                     && u64::from(film.blocks()) <= film.samples_per_pixel();
                 let chains_fit = gathered.chains.is_some() == has_chains
                     && gathered.chains.as_ref().is_none_or(|chains| chains.fits(resolution, channels));

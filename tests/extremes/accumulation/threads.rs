@@ -36,9 +36,9 @@ fn render(scene: &Scene, integrator: Integrator, budget: &Budget, threads: usize
 
 // Case 74.
 pub fn any_number_of_threads_gives_the_same_bits(record: &mut Record) {
-    let scene = crate::common::scene(&scenes::light_in_glass());
-    let told = Budget { samples_per_pixel: 8, time: None, error: None, seed: record.seed() };
-    let open = Budget { samples_per_pixel: 256, error: Some(0.2), ..told };
+    let scene = crate::common::scene(&scenes::glass());
+    let told = Budget { samples_per_pixel: 64, time: None, error: None, seed: record.seed() };
+    let open = Budget { samples_per_pixel: 512, error: Some(0.2), ..told };
     let runs = Integrator::ALL.map(|integrator| (integrator.name().to_owned(), integrator, told));
     let until_an_error = ("path until an error".to_owned(), Integrator::Path, open);
     for (name, integrator, budget) in runs.into_iter().chain([until_an_error]) {
