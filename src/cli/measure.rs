@@ -9,12 +9,15 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+/// Paths per meter where nothing is said.
+pub(super) const DEFAULT_SAMPLES: u64 = 1 << 18;
+
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Scene file with meters
     scene: PathBuf,
     /// Paths per meter
-    #[arg(long, value_name = "N", default_value_t = 1 << 18, value_parser = clap::value_parser!(u64).range(1..=1 << 28))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_SAMPLES, value_parser = clap::value_parser!(u64).range(1..=1 << 28))]
     samples: u64,
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]

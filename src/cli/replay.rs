@@ -69,11 +69,6 @@ struct Known {
 
 #[derive(Deserialize)]
 struct KnownCamera {
-    optics: KnownOptics,
-}
-
-#[derive(Deserialize)]
-struct KnownOptics {
     resolution: [u32; 2],
 }
 
@@ -141,10 +136,12 @@ fn read(file: &Path, scene: &Scene) -> Result<Known> {
 fn chosen(arguments: &Arguments, known: &Known) -> Result<SampleName> {
     let seed = arguments.seed.unwrap_or(known.seed);
     let Arguments { block, index, .. } = *arguments;
+    let or_usual = |samples: u64, usual: u64| if samples > 0 { samples } else { usual };
     let regular = if arguments.meter.is_some() {
-        known.samples.div_ceil(etalon::statistics::BATCHES as u64) as u32
+        let samples = or_usual(known.samples, super::measure::DEFAULT_SAMPLES);
+        samples.div_ceil(etalon::statistics::BATCHES as u64) as u32
     } else {
-        block_size(known.samples_per_pixel)
+        block_size(or_usual(known.samples_per_pixel, super::render::DEFAULT_SPP))
     };
     let block_size = arguments.block_size.unwrap_or(regular.max(1));
     if let Some(meter) = arguments.meter.clone() {
@@ -187,7 +184,7 @@ fn integrator(arguments: &Arguments, known: &Known) -> Result<Integrator> {
 /// The view at the size of the render, with the channels of its film.
 fn view(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<View> {
     let mut view = scene.view().map_err(|e| e.in_file(&arguments.scene))?.clone();
-    let rendered = known.camera.as_ref().map(|camera| camera.optics.resolution);
+    let rendered = known.camera.as_ref().map(|camera| camera.resolution);
     if let Some(resolution) = arguments.resolution.or(rendered) {
         view.camera = view.camera.with_resolution(resolution);
     }

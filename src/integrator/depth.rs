@@ -3,7 +3,7 @@
 //! Between surfaces that lose nothing and let nothing out, light that is fed in grows without
 //! end: the radiance that a picture would show is infinite, and every estimate of it a number
 //! that means nothing. That cannot be read off a list of materials (a lamp, a window or a crack
-//! ends it), so walks look for it: where none of many long ones has ended or lost anything, and
+//! ends it), so walks look for it: where of many long ones hardly any has ended or lost anything, and
 //! all go on finding light, paths are cut off after [`DIVERGENT_BOUNCES`], and it is said.
 
 use super::tracer::{Draw, Tracer};
@@ -13,9 +13,14 @@ use crate::scene::{Plan, Scene};
 use serde::Serialize;
 use std::borrow::Cow;
 
-/// Walks that must all be trapped: none ending in this many times [`TRAPPED_BOUNCES`] puts the
+/// Walks that must be trapped: none ending in this many times [`TRAPPED_BOUNCES`] puts the
 /// probability that a bounce ends one below 1.2e-5, with 95 %.
 const WALKS: u32 = 256;
+/// Of these, so many may end all the same: rounding makes a direction lie in its surface once in
+/// some million bounces.
+const MOST_ENDED: u32 = 2;
+/// Limits on the mean, with 95 % confidence, of a Poisson count that came out as 0, 1 or 2.
+const POISSON_LIMITS: [f64; MOST_ENDED as usize + 1] = [3.00, 4.74, 6.30];
 /// Of these, as many must be where light is exchanged with the eye.
 const FEWEST_TRAPPED: u32 = 32;
 /// Bounces after which paths are cut off where radiance has no finite value.
@@ -28,10 +33,13 @@ const SEED: u64 = 0x6f64_6570_7468;
 /// Evidence that radiance has no finite value where the eye looks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Divergence {
-    /// Walks, each of which was followed for so many bounces, and lost nothing.
+    /// Walks, each of which was followed for so many bounces, and lost nothing but what rounding
+    /// takes.
     pub walks: u32,
     /// See `walks`.
     pub bounces: u32,
+    /// Those that ended before.
+    pub ended: u32,
     /// With 95 % confidence, a bounce ends a walk with less than this probability.
     pub loss_per_bounce_below: f64,
 }
@@ -109,8 +117,8 @@ impl Truncation {
         let [share, least] =
             [self.energy_truncated, self.energy_truncated_at_least].map(|share| 100.0 * share);
         Some(match divergence {
-            Some(Divergence { walks: followed, bounces, loss_per_bounce_below }) => format!(
-                "radiance has no finite value here: of {followed} walks of {bounces} bounces none ended or lost anything \
+            Some(Divergence { walks: followed, bounces, ended, loss_per_bounce_below }) => format!(
+                "radiance has no finite value here: of {followed} walks of {bounces} bounces {ended} ended and the others lost nothing \
                  (a bounce loses less than {loss_per_bounce_below:.1e}, 95 %), and light is fed in; paths are cut off after \
                  {most} bounces, energy truncated >= {:.1} %; give a surface a reflectance below 1, or an opening",
                 (10.0 * least).floor() / 10.0
@@ -195,6 +203,8 @@ struct End {
     is_trapped: bool,
     /// And went on finding light.
     finds_light: bool,
+    /// Those that ended all the same.
+    ended: u32,
 }
 
 /// Follows walks from one end, up to the first that is not trapped.
@@ -205,18 +215,19 @@ fn follow(scene: &Scene, plan: &Plan, strategies: Strategies, eye: Eye<'_>) -> E
     }
     let plan = Plan { strategies, most_bounces: Some(TRAPPED_BOUNCES), ..plan.clone() };
     let mut probe = Probe::new(scene, &plan, eye, WALKS);
-    let (mut trapped, mut late) = (0, 0);
+    let (mut trapped, mut late, mut ended) = (0, 0, 0);
     for index in 0..WALKS {
         let walked = probe.walk(index);
         trapped += u32::from(walked.is_trapped);
         late += u32::from(walked.is_trapped && walked.finds_it_late);
         // Light that goes astray at once, as from the outside of a lamp, says nothing.
         let is_evidence = (strategies.follows_eye() || walked.finds_light) && !walked.ended_by_rounding;
-        if is_evidence && !walked.is_trapped || trapped == 0 && index >= FEWEST_TRAPPED {
+        ended += u32::from(is_evidence && !walked.is_trapped);
+        if ended > MOST_ENDED || trapped == 0 && index >= FEWEST_TRAPPED {
             return End::default();
         }
     }
-    End { is_trapped: trapped >= FEWEST_TRAPPED, finds_light: late > 0 }
+    End { is_trapped: trapped >= FEWEST_TRAPPED, finds_light: late > 0, ended }
 }
 
 /// Whether radiance has no finite value where an eye looks; found out by the first walks that end
@@ -236,11 +247,12 @@ fn divergence(scene: &Scene, plan: &Plan, eye: Eye<'_>) -> Option<Divergence> {
     let from_lights =
         if from_eye.finds_light { End::default() } else { follow(scene, plan, from_lights, eye) };
     let joined = all.joins && from_eye.is_trapped && from_lights.is_trapped;
+    let ended = from_eye.ended.max(from_lights.ended);
     let steps = f64::from(WALKS) * f64::from(TRAPPED_BOUNCES);
     (joined || from_eye.finds_light || from_lights.finds_light).then_some(Divergence {
         walks: WALKS,
         bounces: TRAPPED_BOUNCES,
-        // None in N has a chance of (1 - p)^N, about exp(-N p).
-        loss_per_bounce_below: 3.0 / steps,
+        ended,
+        loss_per_bounce_below: POISSON_LIMITS[ended as usize] / steps,
     })
 }

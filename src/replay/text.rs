@@ -71,9 +71,9 @@ fn line(text: &mut String, what: &str, value: &str) {
 
 fn lanes(spectrum: Spectrum) -> String {
     if spectrum.is_flat() {
-        return format!("{}", spectrum.hero());
+        return format!("{:?}", spectrum.hero());
     }
-    let each: Vec<String> = spectrum.0.iter().map(|value| format!("{value}")).collect();
+    let each: Vec<String> = spectrum.0.iter().map(|value| format!("{value:?}")).collect();
     format!("[{}]", each.join(" "))
 }
 
@@ -173,20 +173,24 @@ pub fn explain_path(scene: &Scene, replayed: &ReplayedPath) -> String {
         "target",
         &format!("ln {}, density of a fresh path ln {}", path.ln_target, path.ln_fresh),
     );
-    let verdict = if replayed.is_valid {
-        "finite".to_owned()
-    } else {
-        let broken = (0..path.count())
-            .find(|index| path.scattering_value(*index).is_some_and(|value| !value.is_finite()))
-            .map_or_else(
-                || "no chain may be at it".to_owned(),
-                |index| {
-                    let node = &path.nodes[index];
-                    format!("not finite: first at vertex {index}, {}", what_is_at(scene, &node.kind))
-                },
-            );
-        broken
-    };
+    let verdict = if replayed.is_valid { "finite".to_owned() } else { broken_at(scene, replayed) };
     line(&mut text, "verdict", &verdict);
     text
+}
+
+/// Where a chain's path first stops being finite, if it is that which is wrong with it.
+fn broken_at(scene: &Scene, replayed: &ReplayedPath) -> String {
+    let path = &replayed.path;
+    let is_broken = |index: &usize| path.scattering_value(*index).is_some_and(|value| !value.is_finite());
+    match (0..path.count()).find(is_broken) {
+        Some(index) => {
+            format!("not finite: first at vertex {index}, {}", what_is_at(scene, &path.nodes[index].kind))
+        }
+        None if path.ln_target.is_nan() || path.ln_target == f64::INFINITY => {
+            "not finite: its worth, though all that is scattered is".to_owned()
+        }
+        None => {
+            "no chain may be at it: it carries nothing, is direct light or cannot be made afresh".to_owned()
+        }
+    }
 }

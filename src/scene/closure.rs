@@ -39,10 +39,10 @@ impl Closure {
         self.walks > 0 && self.left == 0
     }
 
-    /// Whether no walk has left the scene or lost anything: radiance then has no finite value
-    /// wherever it is seen.
+    /// Whether no walk has left the scene and all but a few have lost nothing: radiance then has no
+    /// finite value wherever it is seen. Rounding ends a walk in some thousand.
     pub const fn is_lossless(&self) -> bool {
-        self.is_closed() && self.trapped == self.walks
+        self.is_closed() && self.walks - self.trapped <= self.walks / 128
     }
 
     /// Share of its power that light keeps per bounce on average, as if all bounces were alike.

@@ -55,11 +55,13 @@ pub fn roulette_changes_no_mean(record: &mut Record) {
         ("q = 0.9", Roulette::Constant(0.9), 16, 1.5),
         ("q = 1", Roulette::Constant(1.0), 8, 1e-3),
     ];
+    let mut means = Vec::new();
     for (name, roulette, log2_samples, most_deviation) in rows {
         let samples = record.samples(1 << log2_samples);
         let [mean, error, deviation] = sample(roulette, samples, record.seed());
         let most_noise = most_deviation / (samples as f64).sqrt();
         record.mean(format!("{name}: L / Le"), mean, error, truth, most_noise);
+        means.push([mean, error]);
         record.note(format!("Relative standard deviation of one sample, {name}: {deviation:.3}."));
         if name == "q = 0.9" {
             // The fourth moment of a geometric law is about nine times the squared variance, so
@@ -68,6 +70,7 @@ pub fn roulette_changes_no_mean(record: &mut Record) {
             record.relative("q = rho: deviation of one sample", deviation, ALBEDO.sqrt(), bound);
         }
     }
+    record.same_mean("q = 0.5 as q = 0.9", means[1], means[2], 0.03);
 }
 
 // Case 43.
