@@ -9,6 +9,7 @@ use etalon::error::{Error, Result};
 use etalon::image::{DEVELOPED_ENDINGS, Facts, Label, Layers, write_developed, write_exr};
 use etalon::integrator::{Integrator, Rendering};
 use etalon::metropolis::Outcome;
+use etalon::scene::conditions::{conditions, in_short};
 use etalon::scene::{Plan, Scene, View};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -103,6 +104,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         facts.samples_per_pixel,
         facts.seconds
     ));
+    if !facts.conditions.is_empty() {
+        super::print(&format!("conditions {}; `etalon check --explain` tells more", in_short(&facts.conditions)));
+    }
     if let Some(report) = &arguments.report {
         write_report(report, &facts)?;
     }
@@ -222,8 +226,9 @@ pub fn render_to_files(
         return Err(NothingFound { text, outcome: outcome.clone() }.into());
     }
     let Rendering { film, elapsed, metropolis } = rendering;
-    let mut facts =
-        Facts { metropolis, ..Facts::of(scene, view, &plan, effort.integrator(), &budget, &film, elapsed) };
+    let conditions = conditions(scene, Some(view));
+    let facts = Facts::of(scene, view, &plan, effort.integrator(), &budget, &film, elapsed);
+    let mut facts = Facts { metropolis, conditions, ..facts };
     let planes = planes(&film, &view.sensor, &view.flat_field());
     let camera = facts.camera.clone();
     let darkroom = Darkroom::new(&camera, &planes)?;

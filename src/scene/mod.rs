@@ -2,6 +2,7 @@
 
 mod build;
 mod chain;
+pub mod conditions;
 pub mod file;
 mod file_camera;
 mod file_spectrum;
