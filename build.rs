@@ -65,7 +65,8 @@ fn commit_of_working_copy(root: &Path) -> Option<String> {
 
 fn git(root: &Path, arguments: &[&str]) -> Option<String> {
     // Looking must not refresh the index while another program works on it.
-    let output = Command::new("git").args(arguments).current_dir(root).env("GIT_OPTIONAL_LOCKS", "0").output();
+    let output =
+        Command::new("git").args(arguments).current_dir(root).env("GIT_OPTIONAL_LOCKS", "0").output();
     let output = output.ok().filter(|output| output.status.success())?;
     Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
 }

@@ -23,11 +23,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let scene = Scene::load(&arguments.scene)?;
     let found = conditions(&scene, scene.view.as_ref());
     let mut text = describe(&scene)?;
+    let more = if found.is_empty() || arguments.explain { "" } else { "; --explain tells more" };
+    writeln!(text, "conditions {}{more}", in_short(&found))?;
     if arguments.explain {
         explain(&mut text, &found)?;
-    } else {
-        let more = if found.is_empty() { "" } else { "; --explain tells more" };
-        writeln!(text, "conditions {}{more}", in_short(&found))?;
     }
     super::print(text.trim_end());
     Ok(ExitCode::SUCCESS)

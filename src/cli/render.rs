@@ -9,13 +9,13 @@ use etalon::error::{Error, Result};
 use etalon::image::{DEVELOPED_ENDINGS, Facts, Label, Layers, write_developed, write_exr};
 use etalon::integrator::{Integrator, Rendering};
 use etalon::metropolis::Outcome;
-use etalon::scene::conditions::{conditions, in_short};
+use etalon::scene::conditions::{ORDINARY_SPP, conditions, in_short};
 use etalon::scene::{Plan, Scene, View};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Samples per pixel where nothing is said.
-pub(super) const DEFAULT_SPP: u64 = 64;
+pub(super) const DEFAULT_SPP: u64 = ORDINARY_SPP as u64;
 
 /// What a developed picture may be.
 pub(super) const DEVELOPED_RULE: &str = "a developed picture is a PNG, a TIFF or a JPEG";
@@ -105,7 +105,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         facts.seconds
     ));
     if !facts.conditions.is_empty() {
-        super::print(&format!("conditions {}; `etalon check --explain` tells more", in_short(&facts.conditions)));
+        super::print(&format!(
+            "conditions {}; `etalon check --explain` tells more",
+            in_short(&facts.conditions)
+        ));
     }
     if let Some(report) = &arguments.report {
         write_report(report, &facts)?;

@@ -16,11 +16,16 @@ pub(super) fn conditions(probe: &Probe) -> Option<Condition> {
     let limit = format!(
         "the level is more than {EXTREME_AMPLIFICATION} times that of direct light: reflectances known to 1 % leave it known to {EXTREME_AMPLIFICATION} %"
     );
-    let condition = Condition::new("high_albedo", "the scene", limit).figure("mean_kept_per_reflection", kept);
+    let condition =
+        Condition::new("high_albedo", "the scene", limit).figure("mean_kept_per_reflection", kept);
     if kept > LOSSLESS {
         return Some(
             condition
-                .effect(Kind::Bias, ALL, "closed and without loss: light adds up without end, no level exists")
+                .effect(
+                    Kind::Bias,
+                    ALL,
+                    "closed and without loss: light adds up without end, no level exists",
+                )
                 .remedy("give surfaces a reflectance below 1, or open the scene"),
         );
     }

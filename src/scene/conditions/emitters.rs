@@ -61,8 +61,8 @@ fn small_emitter(scene: &Scene, probe: &Probe, light: usize) -> Option<Condition
         condition = condition.effect(Kind::Noise, &["bdpt", "mlt"], seen);
     }
     let rare = format!(
-        "{} of the lamp's rays set out to a smooth surface: elsewhere its light is asked for directly and no rarer than that of any lamp",
-        percent(onto_smooth)
+        "walks from the lamp bring such light: one in {} sets out to a smooth surface",
+        short(1.0 / onto_smooth)
     );
     let condition = condition.effect(Kind::Noise, &["light", "bdpt", "mlt"], rare);
     let remedy = if through > 0.0 { "mlt" } else { "bdpt or mlt" };
@@ -74,7 +74,9 @@ fn hidden_lamps(scene: &Scene, probe: &Probe) -> Option<Condition> {
     if scene.emitters.iter().all(|emitter| emitter.weight() == 0.0) || probe.first.is_empty() {
         return None;
     }
-    let lit = |point: &SurfacePoint| (0..scene.lights.len()).any(|light| sight_of(scene, point, light as u32).is_some());
+    let lit = |point: &SurfacePoint| {
+        (0..scene.lights.len()).any(|light| sight_of(scene, point, light as u32).is_some())
+    };
     let direct = share(probe.first.iter().map(|gathering| lit(&gathering.point)));
     let once = share(probe.second.iter().map(|second| second.as_ref().is_some_and(|s| lit(&s.point))));
     // The rule of three: with none in so many, 95 % of the time the share is below this.
@@ -87,7 +89,7 @@ fn hidden_lamps(scene: &Scene, probe: &Probe) -> Option<Condition> {
         "less than one in {EXTREME_VARIANCE} of the picture's points sees a lamp, and less than one in {EXTREME_VARIANCE} rays scattered there arrives where one does"
     );
     let rare = format!(
-        "{}{} of paths scattered once arrive where a lamp shines: a relative variance of {} per sample for that light, an error of {} after {ORDINARY_SPP} samples; light after more reflections is smoother",
+        "{}{} of paths scattered once arrive where a lamp shines: a relative variance of {} per sample for that light, an error of {} after {ORDINARY_SPP} samples",
         if once > 0.0 { "" } else { "less than " },
         percent(once_at_most),
         short(variance),
@@ -103,7 +105,7 @@ fn hidden_lamps(scene: &Scene, probe: &Probe) -> Option<Condition> {
             .effect(
                 Kind::Noise,
                 &["light", "bdpt"],
-                "walks from the lamp find their way into the picture as rarely as walks from the picture find theirs to the lamp's side; joints across the opening are mostly blocked",
+                "walks from the lamp pass the same openings as rarely, and what hides the lamp blocks most joints of the two subpaths",
             )
             .remedy("--integrator mlt, which keeps to what it has found"),
     )

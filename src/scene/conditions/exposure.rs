@@ -26,11 +26,8 @@ pub(super) fn conditions(scene: &Scene, view: &View, probe: &Probe) -> Vec<Condi
 }
 
 fn camera_model(warning: &str) -> Condition {
-    Condition::new("camera_model", "camera", "the limits of the camera model, each with its reason").effect(
-        Kind::Bias,
-        ALL,
-        warning,
-    )
+    Condition::new("camera_model", "camera", "a setting at which the camera model leaves something out")
+        .effect(Kind::Bias, ALL, warning)
 }
 
 /// A picture more than half of which is clipped, or more than half of which is coarse.
@@ -69,9 +66,11 @@ fn exposure_range(white_cd_m2: f64, probe: &Probe) -> Option<Condition> {
         percent(0.5 / number(MOST_16_BITS))
     );
     Some(
-        condition("more than half of the picture lies where rounding to 8 bits is more than 10 % of the level")
-            .effect(Kind::Encoding, ALL, what)
-            .remedy(remedy(-stops)),
+        condition(
+            "more than half of the picture lies where rounding to 8 bits is more than 10 % of the level",
+        )
+        .effect(Kind::Encoding, ALL, what)
+        .remedy(remedy(-stops)),
     )
 }
 

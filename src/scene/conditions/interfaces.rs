@@ -1,8 +1,6 @@
 //! Media that nearly match, and media that let hardly anything through.
 
-use super::{
-    ALL, Condition, EXTREME_AMPLIFICATION, Kind, objects_of, percent, samples_for_1_percent, short,
-};
+use super::{ALL, Condition, EXTREME_AMPLIFICATION, Kind, objects_of, percent, samples_for_1_percent, short};
 use crate::material::Material;
 use crate::scene::Scene;
 use crate::spectrum::colour::CIE_1931;
@@ -19,7 +17,12 @@ pub(super) fn conditions(scene: &Scene) -> Vec<Condition> {
         let Some(objects) = objects_of(scene, index) else { continue };
         found.extend(matched_index(excess_index, &objects));
         let depth = absorption.as_ref().and_then(|absorption| {
-            optical_depth(absorption, largest_extent(scene, index), scene.geometry.metres_per_unit(), &objects)
+            optical_depth(
+                absorption,
+                largest_extent(scene, index),
+                scene.geometry.metres_per_unit(),
+                &objects,
+            )
         });
         found.extend(depth);
     }

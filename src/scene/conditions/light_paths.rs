@@ -26,7 +26,8 @@ pub(super) fn conditions(scene: &Scene, view: Option<&View>, probe: &Probe) -> V
 
 fn condition(class: &Unreachable, by_all: bool, probe: &Probe) -> Condition {
     let seen = probe.first.iter().filter(|gathering| gathering.through_smooth).count();
-    let what = format!("{} is missing from the result, and no number of samples brings it back", class.meaning);
+    let what =
+        format!("{} is missing from the result, and no number of samples brings it back", class.meaning);
     let condition = Condition::new(
         "unreachable_light",
         class.word,

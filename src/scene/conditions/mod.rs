@@ -193,10 +193,13 @@ impl fmt::Display for Condition {
         writeln!(f, "extreme    {} ({})", self.name, self.place)?;
         let figures: Vec<String> =
             self.figures.iter().map(|(name, value)| format!("{name} {}", short(*value))).collect();
-        writeln!(f, "  figures    {}", figures.join(", "))?;
+        if !figures.is_empty() {
+            writeln!(f, "  figures    {}", figures.join(", "))?;
+        }
         writeln!(f, "  limit      {}", self.limit)?;
         for Effect { kind, integrators, what } in &self.effect {
-            let of = if *integrators == ALL { String::new() } else { format!("{}: ", integrators.join(", ")) };
+            let of =
+                if *integrators == ALL { String::new() } else { format!("{}: ", integrators.join(", ")) };
             writeln!(f, "  {:<11}{of}{what}", kind.name())?;
         }
         match &self.remedy {
@@ -211,7 +214,7 @@ fn short(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
         "0".to_owned()
-    } else if (1e-3..1e5).contains(&size) {
+    } else if (1e-3..1e4).contains(&size) {
         let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
         let text = format!("{value:.decimals$}");
         if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }

@@ -8,6 +8,7 @@ use super::super::{MeterKind, Plan, Scene, View};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::integrator::{Draw, Integrator, Tracer};
 use crate::light::Light;
+use crate::light::power::EmitterShape;
 use crate::material::Quantity;
 use crate::path::{Eye, Subpaths};
 use crate::sampler::{BlockSampler, Sampler, Stream};
@@ -52,7 +53,7 @@ pub struct Probe {
     /// Probability that a scattered ray meets each light: the median over the points above
     /// that see it, freely or through smooth surfaces; `None` where none does.
     pub meets: Vec<Option<f64>>,
-    /// Share of each light's rays that meet a smooth surface first.
+    /// Share of each light's flux that falls on smooth surfaces first.
     pub onto_smooth: Vec<f64>,
 }
 
@@ -225,26 +226,62 @@ fn meeting(scene: &Scene, from: &SurfacePoint, light: u32) -> Option<f64> {
         .then(|| (cosine / (std::f64::consts::PI * f64::from(towards.pdf_solid_angle))).min(1.0))
 }
 
-/// Share of a light's rays that meet a smooth surface first.
+/// Share of a light's flux that falls on smooth surfaces first, from points on these: rays from
+/// a lamp far away would hardly find them.
 fn onto_smooth(scene: &Scene, light: u32, wavelengths: &Wavelengths) -> f64 {
-    const RAYS: u32 = 4096;
-    if !scene.used_materials().any(crate::material::Material::is_smooth) {
+    const POINTS: u32 = 2048;
+    let geometry = &scene.geometry;
+    let smooth = (0..).zip(&scene.objects).filter(|(_, object)| {
+        scene.materials[object.material as usize].at(wavelengths).is_delta() && object.light != Some(light)
+    });
+    let mut upto = Vec::new();
+    let mut area = 0.0;
+    for primitive in smooth.flat_map(|(index, _)| geometry.primitives_of(index)) {
+        area += f64::from(geometry.area_of(primitive));
+        upto.push((area, primitive));
+    }
+    if upto.is_empty() {
         return 0.0;
     }
-    let numbers = BlockSampler::new(SEED, u64::from(light), 1, RAYS);
-    let lamp: &Light = scene.lights.get(light);
-    let meets = |index: &u32| {
-        let sampler = numbers.sample(*index);
-        let [point, direction] =
-            [Stream::EmissionPoint, Stream::EmissionDirection].map(|stream| sampler.pair(stream, 0));
-        let hit = lamp
-            .emit(&scene.geometry, point, direction)
-            .and_then(|emitted| scene.geometry.intersect(&emitted.ray));
-        hit.is_some_and(|hit| {
-            scene.materials[scene.objects[hit.object as usize].material as usize].at(wavelengths).is_delta()
-        })
+    let numbers = BlockSampler::new(SEED, u64::from(light), 1, POINTS);
+    let received = |index: u32| {
+        let sampler = numbers.sample(index);
+        let place = sampler.fine(Stream::EmissionChoice, 0) * area;
+        let (_, primitive) = upto[upto.partition_point(|(upto, _)| *upto <= place).min(upto.len() - 1)];
+        let point = geometry.primitive(primitive).sample_area(sampler.pair(Stream::EmissionPoint, 0));
+        irradiance_per_flux(scene, light, &point, sampler.pair(Stream::LightPoint, 0), wavelengths)
     };
-    (0..RAYS).filter(meets).count() as f64 / f64::from(RAYS)
+    (0..POINTS).map(received).sum::<f64>() / f64::from(POINTS) * area
+}
+
+/// Irradiance at a point, on the side that faces a light, over the light's flux, per square
+/// scene unit; zero where anything is between.
+fn irradiance_per_flux(
+    scene: &Scene,
+    light: u32,
+    at: &SurfacePoint,
+    u: [f32; 2],
+    wavelengths: &Wavelengths,
+) -> f64 {
+    let lamp = scene.lights.get(light);
+    let Some(towards) = lamp.sample_towards(&scene.geometry, at, u, wavelengths) else { return 0.0 };
+    if sight(scene, towards.shadow_ray) != Some(Sight::Clear) {
+        return 0.0;
+    }
+    let direction = towards.shadow_ray.direction;
+    let cosine = f64::from(direction.dot(at.normal).abs());
+    cosine
+        * match (lamp, scene.emitters[light as usize].shape) {
+            (Light::Point(point), EmitterShape::Point { solid_angle_sr }) => {
+                let distance2 = f64::from((point.position - at.position).length_squared());
+                f64::from(point.distribution.towards(-direction)) / (solid_angle_sr * distance2)
+            }
+            (_, EmitterShape::Surface { area_m2, .. }) => {
+                let area = area_m2 / scene.geometry.metres_per_unit().powi(2);
+                1.0 / (f64::from(towards.pdf_solid_angle) * std::f64::consts::PI * area)
+            }
+            (Light::Area(_), EmitterShape::Point { .. }) => 0.0,
+        }
 }
 
 /// Luminances of a small picture by path tracing, rising.

@@ -34,7 +34,8 @@ pub(super) fn conditions(scene: &Scene) -> Option<Condition> {
         "places and lengths of it are rounded by up to {} of its size, areas by twice that; shadows of what is nearer to it than the spacing are lost",
         percent(worst)
     );
-    let limit = format!("the spacing of 32-bit positions is more than {} of the object", percent(EXTREME_BIAS));
+    let limit =
+        format!("the spacing of 32-bit positions is more than {} of the object", percent(EXTREME_BIAS));
     let more = coarse.len() - 1;
     let name = &scene.objects[object as usize].name;
     let place = if more > 0 { format!("{name} and {more} more") } else { name.clone() };
