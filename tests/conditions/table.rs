@@ -65,6 +65,8 @@ fn minimal(name: &str) -> Scene {
         "dark_range" => lamp_of(json!({ "table": { "wavelengths_nm": [420, 680], "values": [1, 1] } })),
         "sensor_range" => with(pictured(), |s| {
             s["camera"]["sensor"] = json!({ "csv": { "file": "tests/files/infrared-sensor.csv" } });
+            // D65 is tabulated up to 780 nm, where this sensor still sees.
+            s["objects"][1]["emission"]["spectrum"] = json!({ "blackbody": { "temperature_k": 5000 } });
         }),
         "high_albedo" => with(plain(), |s| {
             add(
@@ -99,6 +101,41 @@ fn every_condition_is_found_where_it_is_and_alone() {
         let scene = minimal(name);
         assert_eq!(names(&scene), [name], "{:#?}", found(&scene));
     }
+}
+
+/// A roughness that is rendered as polished hides the light of a point as polish does.
+#[test]
+fn what_is_as_good_as_polished_counts_as_smooth() {
+    let beside_a_point = |alpha: f64| {
+        with(plain(), |s| {
+            let emission = json!({ "spectrum": "d65", "level": { "flux_lm": 100 } });
+            s["objects"].as_array_mut().expect("a list").pop();
+            s["lights"] = json!([{ "point": { "position": [0, 0, 1.5], "emission": emission } }]);
+            add(s, ball(), json!({ "conductor": { "metal": "silver", "roughness_alpha": alpha } }));
+        })
+    };
+    assert_eq!(names(&beside_a_point(5e-5)), ["polished_roughness", "unreachable_light"]);
+    assert_eq!(names(&beside_a_point(0.005)), ["near_specular_lobe"]);
+}
+
+/// Many lamps are looked at from fewer points, and those alike are counted.
+#[test]
+fn many_lamps_take_no_longer_and_are_named_once() {
+    let scene = with(plain(), |s| {
+        add(s, ball(), json!({ "dielectric": { "index": 1.5 } }));
+        for i in 0..2000 {
+            let [x, y] = [f64::from(i % 50), f64::from(i / 50)].map(|c| -2.0 + 0.08 * c);
+            let sphere = json!({ "sphere": { "center": [x, y, 3], "radius": 0.005 } });
+            let emission = json!({ "spectrum": "d65", "level": { "luminance_cd_m2": 1000 } });
+            let lamp = json!({ "name": format!("lamp {i}"), "shape": sphere, "material": "black", "emission": emission });
+            s["objects"].as_array_mut().expect("a list").push(lamp);
+        }
+    });
+    let started = std::time::Instant::now();
+    let conditions = found(&scene);
+    assert!(started.elapsed().as_secs_f64() < 10.0, "{:?}", started.elapsed());
+    let [condition] = &conditions[..] else { panic!("{conditions:#?}") };
+    assert!(condition.name == "small_emitter" && condition.place.contains(" more"), "{condition:#?}");
 }
 
 #[test]

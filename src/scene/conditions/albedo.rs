@@ -12,7 +12,7 @@ use super::{ALL, Condition, EXTREME_AMPLIFICATION, Kind, percent, short};
 const LOSSLESS: f64 = 1.0 - 1e-6;
 
 pub(super) fn conditions(probe: &Probe) -> Option<Condition> {
-    let kept = probe.kept.filter(|kept| 1.0 / (1.0 - kept) > EXTREME_AMPLIFICATION)?;
+    let kept = probe.kept.filter(|kept| *kept > 1.0 - 1.0 / EXTREME_AMPLIFICATION)?;
     let limit = format!(
         "the level is more than {EXTREME_AMPLIFICATION} times that of direct light: reflectances known to 1 % leave it known to {EXTREME_AMPLIFICATION} %"
     );

@@ -3,17 +3,20 @@
 //! What is found with probability p by chance has a relative variance of (1 - p) / p per
 //! sample, so that N samples leave a relative error of sqrt((1 - p) / (p N)).
 
-use super::probe::{Probe, Sight, sight_of};
+use super::probe::Probe;
+use super::sight::{Sight, sight_of};
 use super::{
     ALL, Condition, EXTREME_VARIANCE, Kind, ORDINARY_SPP, ordinary_error, percent, samples_for_1_percent,
-    short,
+    short, worst,
 };
 use crate::geometry::SurfacePoint;
 use crate::scene::Scene;
 
 pub(super) fn conditions(scene: &Scene, probe: &Probe) -> Vec<Condition> {
     let shining = (0..scene.lights.len()).filter(|light| scene.emitters[*light].weight() > 0.0);
-    let mut found: Vec<Condition> = shining.filter_map(|light| small_emitter(scene, probe, light)).collect();
+    let small = shining.filter_map(|light| small_emitter(scene, probe, light)).collect();
+    let mut found = Vec::new();
+    found.extend(worst(small, |c| c.value("relative_variance_per_sample").unwrap_or(0.0)));
     found.extend(hidden_lamps(scene, probe));
     found.extend(unequal_lights(scene, probe));
     found
@@ -77,10 +80,12 @@ fn hidden_lamps(scene: &Scene, probe: &Probe) -> Option<Condition> {
     let lit = |point: &SurfacePoint| {
         (0..scene.lights.len()).any(|light| sight_of(scene, point, light as u32).is_some())
     };
-    let direct = share(probe.first.iter().map(|gathering| lit(&gathering.point)));
-    let once = share(probe.second.iter().map(|second| second.as_ref().is_some_and(|s| lit(&s.point))));
+    let step = probe.step(scene.lights.len());
+    let direct = share(probe.first.iter().step_by(step).map(|gathering| lit(&gathering.point)));
+    let once =
+        share(probe.second.iter().step_by(step).map(|second| second.as_ref().is_some_and(|s| lit(&s.point))));
     // The rule of three: with none in so many, 95 % of the time the share is below this.
-    let once_at_most = if once > 0.0 { once } else { 3.0 / probe.second.len() as f64 };
+    let once_at_most = if once > 0.0 { once } else { 3.0 / probe.second.len().div_ceil(step) as f64 };
     let variance = variance(once_at_most);
     if direct > 1.0 / EXTREME_VARIANCE || variance < EXTREME_VARIANCE {
         return None;
@@ -96,7 +101,7 @@ fn hidden_lamps(scene: &Scene, probe: &Probe) -> Option<Condition> {
         percent(ordinary_error(variance))
     );
     Some(
-        Condition::new("hidden_lamps", "the picture", limit)
+        Condition::new("hidden_lamps", probe.of, limit)
             .figure("share_lit_directly", direct)
             .figure("share_lit_after_one_reflection", once)
             .figure("relative_variance_per_sample", variance)
@@ -125,7 +130,8 @@ fn unequal_lights(scene: &Scene, probe: &Probe) -> Option<Condition> {
             .map(|light| (scene.lights.probability_towards(point.position, light), light));
         seen.reduce(|a, b| (a.0 + b.0, if b.0 > a.0 { b.1 } else { a.1 }))
     };
-    let lit: Vec<(f64, u32)> = probe.first.iter().filter_map(|g| asked(&g.point)).collect();
+    let points = probe.first.iter().step_by(probe.step(scene.lights.len()));
+    let lit: Vec<(f64, u32)> = points.filter_map(|g| asked(&g.point)).collect();
     let mut rare: Vec<(f64, u32)> =
         lit.iter().copied().filter(|(p, _)| *p > 0.0 && variance(*p) > EXTREME_VARIANCE).collect();
     let part = rare.len() as f64 / lit.len().max(1) as f64;

@@ -14,6 +14,7 @@ mod light_paths;
 mod lobes;
 mod probe;
 mod scale;
+mod sight;
 mod spectra;
 
 pub use probe::Probe;
@@ -207,6 +208,17 @@ impl fmt::Display for Condition {
             None => Ok(()),
         }
     }
+}
+
+/// The worst of conditions of one name, by the value of a figure; the others are counted.
+fn worst(mut list: Vec<Condition>, badness: impl Fn(&Condition) -> f64) -> Option<Condition> {
+    list.sort_by(|a, b| badness(b).total_cmp(&badness(a)));
+    let more = list.len().saturating_sub(1);
+    let mut first = list.into_iter().next()?;
+    if more > 0 {
+        first.place = format!("{} and {more} more", first.place);
+    }
+    Some(first)
 }
 
 /// A number with three digits.

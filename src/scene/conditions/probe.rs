@@ -5,29 +5,27 @@
 //! error of so many draws: they decide what is said, and are no measurement.
 
 use super::super::{MeterKind, Plan, Scene, View};
+use super::sight::{LUMINOUS, MOST_SIGHTS, meeting, onto_smooth};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::integrator::{Draw, Integrator, Tracer};
-use crate::light::Light;
-use crate::light::power::EmitterShape;
 use crate::material::Quantity;
 use crate::path::{Eye, Subpaths};
 use crate::sampler::{BlockSampler, Sampler, Stream};
-use crate::spectrum::colour::CIE_1931;
-use crate::spectrum::{LANES, WavelengthSampler, Wavelengths};
+use crate::spectrum::{LANES, Wavelengths};
 
-/// Rays from the eye: 24 x 24 over the picture, as many from each instrument.
-const SIDE: u32 = 24;
-/// Walks that go on from each of them.
-const WALKS: u32 = 8;
+/// Walks from an eye that is alone: eight for each of 24 x 24 places of a picture.
+const WALKS: u32 = 24 * 24 * 8;
 /// Surfaces that a walk meets at most.
-const MOST_SURFACES: usize = 64;
+pub(super) const MOST_SURFACES: usize = 64;
 /// A walk that keeps less than this says nothing more.
 const LEAST_KEPT: f64 = 0.01;
 /// Cells of the trial picture along a side, and samples in each.
 const CELLS: u32 = 8;
 const CELL_SAMPLES: u32 = 32;
+/// Eyes among which the rays are shared out at most; more eyes get as many each.
+const SHARING: u32 = 16;
 /// Of the fixed random numbers.
-const SEED: u64 = 0x00e7_a10e;
+pub(super) const SEED: u64 = 0x00e7_a10e;
 
 /// A point where light can be gathered.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +38,8 @@ pub struct Gathering {
 
 /// What the rays found.
 pub struct Probe {
+    /// What light is gathered for, in words.
+    pub of: &'static str,
     /// What the eye sees, one point for each walk.
     pub first: Vec<Gathering>,
     /// Where light scattered there meets the next surface that is not smooth; walks that
@@ -57,28 +57,21 @@ pub struct Probe {
     pub onto_smooth: Vec<f64>,
 }
 
-/// How a lamp is seen from a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sight {
-    /// Along a straight line.
-    Clear,
-    /// Through smooth transparent surfaces.
-    ThroughGlass,
-}
-
 impl Probe {
     /// Looks at a scene.
     pub fn new(scene: &Scene, view: Option<&View>) -> Self {
-        let wavelengths = luminous_wavelengths();
         let mut trails = Trails::default();
         let mut eyes: Vec<Eye<'_>> = scene.meters.iter().map(|meter| eye_of(&meter.kind)).collect();
         eyes.extend(view.map(|view| Eye::Camera(&view.camera)));
+        let walks = WALKS / (eyes.len() as u32).clamp(1, SHARING);
         for (eye, index) in eyes.iter().zip(0..) {
             let size = view.filter(|_| matches!(eye, Eye::Camera(_))).map(|view| view.camera.resolution());
-            trails.look(scene, eye, index, size, &wavelengths);
+            let numbers = BlockSampler::new(SEED, index, 0, walks);
+            trails.look(scene, eye, (0..walks).map(|walk| numbers.sample(walk)), size, &LUMINOUS);
         }
         let Trails { first, second, arrived, came_on } = trails;
         let mut probe = Self {
+            of: if view.is_some() { "the picture" } else { "the meters" },
             first,
             second,
             kept: (arrived > 0.0).then(|| came_on / arrived),
@@ -88,7 +81,7 @@ impl Probe {
         };
         let lights = 0..scene.lights.len() as u32;
         probe.meets = lights.clone().map(|light| probe.probability_of_meeting(scene, light)).collect();
-        probe.onto_smooth = lights.map(|light| onto_smooth(scene, light, &wavelengths)).collect();
+        probe.onto_smooth = lights.map(|light| onto_smooth(scene, light)).collect();
         if let Some(view) = view {
             probe.luminances = trial(scene, view, probe.kept);
         }
@@ -100,18 +93,18 @@ impl Probe {
         self.luminances.get(self.luminances.len() / 2).copied()
     }
 
+    /// From one point in how many so many lamps are looked for.
+    pub fn step(&self, lamps: usize) -> usize {
+        (self.first.len() * lamps).div_ceil(MOST_SIGHTS).max(1)
+    }
+
     fn probability_of_meeting(&self, scene: &Scene, light: u32) -> Option<f64> {
-        let both = self.first.iter().chain(self.second.iter().flatten());
+        let step = self.step(scene.lights.len());
+        let both = self.first.iter().step_by(step).chain(self.second.iter().step_by(step).flatten());
         let mut found: Vec<f64> = both.filter_map(|g| meeting(scene, &g.point, light)).collect();
         found.sort_by(f64::total_cmp);
         found.get(found.len() / 2).copied()
     }
-}
-
-/// Wavelengths of equal luminous weight in an equal energy spectrum.
-fn luminous_wavelengths() -> Wavelengths {
-    let sampler = WavelengthSampler::proportional_to(&CIE_1931.matching[1]).expect("the eye sees something");
-    sampler.sample(0.5 / LANES as f32)
 }
 
 fn eye_of(kind: &MeterKind) -> Eye<'static> {
@@ -131,11 +124,16 @@ struct Trails {
 }
 
 impl Trails {
-    fn look(&mut self, scene: &Scene, eye: &Eye<'_>, index: u64, size: Option<[u32; 2]>, w: &Wavelengths) {
-        let walks = SIDE * SIDE * WALKS;
-        let numbers = BlockSampler::new(SEED, index, 0, walks);
-        for walk in 0..walks {
-            let sampler = numbers.sample(walk);
+    /// Sends out as many rays as there are random numbers given; `size` is that of the picture.
+    fn look(
+        &mut self,
+        scene: &Scene,
+        eye: &Eye<'_>,
+        numbers: impl Iterator<Item = Sampler>,
+        size: Option<[u32; 2]>,
+        w: &Wavelengths,
+    ) {
+        for sampler in numbers {
             let at = sampler.pair(Stream::Pixel, 0).map(f64::from);
             let position = size.map_or(at, |s| [at[0] * f64::from(s[0]), at[1] * f64::from(s[1])]);
             let drawn = eye.ray(position, sampler.pair(Stream::Lens, 0));
@@ -188,100 +186,6 @@ impl Trails {
             self.second.push(met.get(1).copied());
         }
     }
-}
-
-/// How a light's point is seen from a point; `None` where something is between.
-fn sight(scene: &Scene, ray: Ray) -> Option<Sight> {
-    let end = ray.origin + ray.direction * ray.t_max;
-    let (mut ray, mut sight) = (ray, Sight::Clear);
-    for _ in 0..MOST_SURFACES {
-        let Some(hit) = scene.geometry.intersect(&ray) else { return Some(sight) };
-        let material = &scene.materials[scene.objects[hit.object as usize].material as usize];
-        if !(material.is_transparent() && material.is_smooth()) {
-            return None;
-        }
-        sight = Sight::ThroughGlass;
-        ray = hit.point.ray_to_position(end)?;
-    }
-    None
-}
-
-/// How a light is seen from a point, by one of its points.
-pub fn sight_of(scene: &Scene, from: &SurfacePoint, light: u32) -> Option<Sight> {
-    let towards =
-        scene.lights.get(light).sample_towards(&scene.geometry, from, [0.5; 2], &luminous_wavelengths())?;
-    (towards.shadow_ray.direction.dot(from.normal) > 0.0).then(|| sight(scene, towards.shadow_ray))?
-}
-
-/// Probability that a ray scattered in proportion to the cosine meets a light that is seen
-/// from a point; `None` where it is not, and for lights without a surface.
-fn meeting(scene: &Scene, from: &SurfacePoint, light: u32) -> Option<f64> {
-    let lamp = scene.lights.get(light);
-    if !lamp.has_surface() {
-        return None;
-    }
-    let towards = lamp.sample_towards(&scene.geometry, from, [0.5; 2], &luminous_wavelengths())?;
-    let cosine = f64::from(towards.shadow_ray.direction.dot(from.normal));
-    (cosine > 0.0 && sight(scene, towards.shadow_ray).is_some())
-        .then(|| (cosine / (std::f64::consts::PI * f64::from(towards.pdf_solid_angle))).min(1.0))
-}
-
-/// Share of a light's flux that falls on smooth surfaces first, from points on these: rays from
-/// a lamp far away would hardly find them.
-fn onto_smooth(scene: &Scene, light: u32, wavelengths: &Wavelengths) -> f64 {
-    const POINTS: u32 = 2048;
-    let geometry = &scene.geometry;
-    let smooth = (0..).zip(&scene.objects).filter(|(_, object)| {
-        scene.materials[object.material as usize].at(wavelengths).is_delta() && object.light != Some(light)
-    });
-    let mut upto = Vec::new();
-    let mut area = 0.0;
-    for primitive in smooth.flat_map(|(index, _)| geometry.primitives_of(index)) {
-        area += f64::from(geometry.area_of(primitive));
-        upto.push((area, primitive));
-    }
-    if upto.is_empty() {
-        return 0.0;
-    }
-    let numbers = BlockSampler::new(SEED, u64::from(light), 1, POINTS);
-    let received = |index: u32| {
-        let sampler = numbers.sample(index);
-        let place = sampler.fine(Stream::EmissionChoice, 0) * area;
-        let (_, primitive) = upto[upto.partition_point(|(upto, _)| *upto <= place).min(upto.len() - 1)];
-        let point = geometry.primitive(primitive).sample_area(sampler.pair(Stream::EmissionPoint, 0));
-        irradiance_per_flux(scene, light, &point, sampler.pair(Stream::LightPoint, 0), wavelengths)
-    };
-    (0..POINTS).map(received).sum::<f64>() / f64::from(POINTS) * area
-}
-
-/// Irradiance at a point, on the side that faces a light, over the light's flux, per square
-/// scene unit; zero where anything is between.
-fn irradiance_per_flux(
-    scene: &Scene,
-    light: u32,
-    at: &SurfacePoint,
-    u: [f32; 2],
-    wavelengths: &Wavelengths,
-) -> f64 {
-    let lamp = scene.lights.get(light);
-    let Some(towards) = lamp.sample_towards(&scene.geometry, at, u, wavelengths) else { return 0.0 };
-    if sight(scene, towards.shadow_ray) != Some(Sight::Clear) {
-        return 0.0;
-    }
-    let direction = towards.shadow_ray.direction;
-    let cosine = f64::from(direction.dot(at.normal).abs());
-    cosine
-        * match (lamp, scene.emitters[light as usize].shape) {
-            (Light::Point(point), EmitterShape::Point { solid_angle_sr }) => {
-                let distance2 = f64::from((point.position - at.position).length_squared());
-                f64::from(point.distribution.towards(-direction)) / (solid_angle_sr * distance2)
-            }
-            (_, EmitterShape::Surface { area_m2, .. }) => {
-                let area = area_m2 / scene.geometry.metres_per_unit().powi(2);
-                1.0 / (f64::from(towards.pdf_solid_angle) * std::f64::consts::PI * area)
-            }
-            (Light::Area(_), EmitterShape::Point { .. }) => 0.0,
-        }
 }
 
 /// Luminances of a small picture by path tracing, rising.

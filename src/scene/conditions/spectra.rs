@@ -1,6 +1,6 @@
 //! Wavelengths: dispersion, lamps of few wavelengths, ranges that do not meet.
 
-use super::{ALL, Condition, EXTREME_BIAS, Kind, objects_of, percent, short};
+use super::{ALL, Condition, EXTREME_BIAS, Kind, objects_of, percent, short, worst};
 use crate::camera::Sensor;
 use crate::integrator::Integrator;
 use crate::light::Light;
@@ -15,10 +15,11 @@ pub(super) fn conditions(scene: &Scene, view: Option<&View>) -> Vec<Condition> {
     let sensor = view.map_or_else(Sensor::cie, |view| view.sensor.clone());
     let plan = Plan::of(scene, &sensor, Integrator::Path.strategies());
     let mut found = dispersion(scene, &plan.wavelengths);
-    for light in (0..scene.lights.len()).filter(|light| scene.emitters[*light].weight() > 0.0) {
-        found.extend(few_wavelengths(scene, light));
-        found.extend(dark_range(scene, light, &sensor));
-    }
+    let shining = || (0..scene.lights.len()).filter(|light| scene.emitters[*light].weight() > 0.0);
+    let few = shining().filter_map(|light| few_wavelengths(scene, light)).collect();
+    found.extend(worst(few, |c| -c.value("effective_bands_of_10_nm").unwrap_or(0.0)));
+    let dark = shining().filter_map(|light| dark_range(scene, light, &sensor)).collect();
+    found.extend(worst(dark, |c| c.value("share_of_response_in_the_dark").unwrap_or(0.0)));
     found.extend(sensor_range(&sensor));
     found
 }
@@ -76,7 +77,7 @@ fn one_wavelength(excess: &Dense, objects: &str, variance: [f64; 3]) -> Conditio
 }
 
 /// Relative variance of X, Y and Z of a lamp's light from one wavelength each.
-pub(super) fn variance_of_one_wavelength(
+fn variance_of_one_wavelength(
     emission: &Emission,
     lines_nm: &[f64],
     sampler: &WavelengthSampler,
