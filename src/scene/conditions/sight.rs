@@ -54,14 +54,20 @@ pub(super) fn sight_of(scene: &Scene, from: &SurfacePoint, light: u32) -> Option
 /// Probability that a ray scattered in proportion to the cosine meets a light that is seen
 /// from a point; `None` where it is not, and for lights without a surface.
 pub(super) fn meeting(scene: &Scene, from: &SurfacePoint, light: u32) -> Option<f64> {
+    /// Points of the light that are looked at, in pairs across its middle.
+    const LOOKS: [[f32; 2]; 4] = [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]];
     let lamp = scene.lights.get(light);
     if !lamp.has_surface() {
         return None;
     }
-    let towards = lamp.sample_towards(&scene.geometry, from, [0.5; 2], &LUMINOUS)?;
-    let cosine = f64::from(towards.shadow_ray.direction.dot(from.normal));
-    (cosine > 0.0 && sight(scene, towards.shadow_ray).is_some())
-        .then(|| (cosine / (std::f64::consts::PI * f64::from(towards.pdf_solid_angle))).min(1.0))
+    let look = |u: &[f32; 2]| {
+        let towards = lamp.sample_towards(&scene.geometry, from, *u, &LUMINOUS)?;
+        let cosine = f64::from(towards.shadow_ray.direction.dot(from.normal));
+        (cosine > 0.0 && sight(scene, towards.shadow_ray).is_some())
+            .then(|| cosine / (std::f64::consts::PI * f64::from(towards.pdf_solid_angle)))
+    };
+    let sum: f64 = LOOKS.iter().filter_map(look).sum();
+    (sum > 0.0).then(|| (sum / LOOKS.len() as f64).min(1.0))
 }
 
 /// Share of a light's flux that falls on smooth surfaces first, from points on these: rays from
