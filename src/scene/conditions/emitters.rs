@@ -64,8 +64,8 @@ fn small_emitter(scene: &Scene, probe: &Probe, light: usize) -> Option<Condition
         condition = condition.effect(Kind::Noise, &["bdpt", "mlt"], seen);
     }
     let rare = format!(
-        "walks from the lamp bring such light: one in {} sets out to a smooth surface",
-        short(1.0 / onto_smooth)
+        "walks from the lamp bring such light: {} of them set out to a smooth surface",
+        percent(onto_smooth)
     );
     let condition = condition.effect(Kind::Noise, &["light", "bdpt", "mlt"], rare);
     let remedy = if through > 0.0 { "mlt" } else { "bdpt or mlt" };

@@ -97,7 +97,7 @@ pub(super) fn onto_smooth(scene: &Scene, light: u32) -> f64 {
         let point = geometry.primitive(primitive).sample_area(sampler.pair(Stream::EmissionPoint, 0));
         irradiance_per_flux(scene, light, &point, sampler.pair(Stream::LightPoint, 0))
     };
-    (0..points).map(received).sum::<f64>() / f64::from(points) * area
+    ((0..points).map(received).sum::<f64>() / f64::from(points) * area).min(1.0)
 }
 
 /// Irradiance at a point, on the side that faces a light, over the light's flux, per square
