@@ -725,8 +725,9 @@ fn further_channels_are_added_when_asked_for() {
     expected.extend(middles.map(|nm| format!("S0.{nm:.6}nm").replace('.', ",").replacen(',', ".", 1)));
     expected.sort();
     assert_eq!(picture.names(), expected);
-    // The names R, G, B mean what readers expect only without other primaries declared.
-    assert_eq!(picture.image.chromaticities, None);
+    // The names R, G, B mean what readers expect only with sRGB's primaries.
+    let red = picture.image.chromaticities.expect("sRGB's primaries").red;
+    assert_eq!([red.x(), red.y()], [0.64, 0.33]);
     let at = |name: &str, pixel: usize| f64::from(f32::from_bits(picture.channels[name][pixel]));
     let brightest = (0..96).max_by(|a, b| at("Y", *a).total_cmp(&at("Y", *b))).expect("pixels");
     assert!(at("Y", brightest) > 0.0);
@@ -755,15 +756,40 @@ fn a_developed_picture_is_written_beside_the_absolute_one() {
 }
 
 #[test]
-fn rendering_off_a_terminal_is_silent_but_for_one_line() {
+fn rendering_off_a_terminal_is_silent_but_for_a_line_and_the_conditions() {
     let folder = folder("silent");
     let output = folder.join("out.exr");
     let arguments =
         ["render".as_ref(), "reference/cornell/scene.json".as_ref(), "-o".as_ref(), output.as_os_str()];
     let options = ["--resolution", "32x32", "--spp", "8"].map(str::as_ref);
     let said = succeed(arguments.into_iter().chain(options));
-    assert_eq!(said.lines().count(), 1, "{said}");
-    assert!(said.contains("8 samples per pixel"), "{said}");
+    let [line, conditions] = said.lines().collect::<Vec<_>>()[..] else { panic!("{said}") };
+    assert!(line.contains("8 samples per pixel"), "{said}");
+    assert_eq!(conditions, "conditions 1 extreme: dark_range; `etalon check --explain` tells more");
+}
+
+#[test]
+fn extreme_conditions_are_counted_and_explained_on_request() {
+    let scene = "reference/pool/scene.json";
+    let said = succeed(["check", scene]);
+    assert!(
+        said.ends_with("conditions 2 extreme: small_emitter, beyond_half_float; --explain tells more\n"),
+        "{said}"
+    );
+    let explained = succeed(["check", "--explain", scene]);
+    for part in [
+        "extreme    small_emitter (sun)",
+        "  noise      path: ",
+        "  remedy     --integrator mlt",
+        "not found  hidden_lamps, ",
+    ] {
+        assert!(explained.contains(part), "{explained}");
+    }
+    let plain = succeed(["check", "--explain", "reference/stanford/scene.json"]);
+    assert!(
+        plain.contains("conditions none extreme\n") && plain.contains("not found  small_emitter, "),
+        "{plain}"
+    );
 }
 
 #[test]

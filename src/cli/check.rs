@@ -4,6 +4,7 @@ use clap::Args;
 use etalon::integrator::Integrator;
 use etalon::light::EmitterFacts;
 use etalon::light::power::EmitterShape;
+use etalon::scene::conditions::{Condition, LOOKED_FOR, conditions, in_short};
 use etalon::scene::{Plan, Scene, View};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -13,15 +14,36 @@ use std::process::ExitCode;
 pub struct Arguments {
     /// Scene file
     scene: PathBuf,
+    /// Print the extreme conditions of the scene, and what each does to the error to be expected
+    #[arg(long)]
+    explain: bool,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let scene = Scene::load(&arguments.scene)?;
-    super::print(explain(&scene)?.trim_end());
+    let found = conditions(&scene, scene.view.as_ref());
+    let mut text = describe(&scene)?;
+    let more = if found.is_empty() || arguments.explain { "" } else { "; --explain tells more" };
+    writeln!(text, "conditions {}{more}", in_short(&found))?;
+    if arguments.explain {
+        explain(&mut text, &found)?;
+    }
+    super::print(text.trim_end());
     Ok(ExitCode::SUCCESS)
 }
 
-fn explain(scene: &Scene) -> Result<String, std::fmt::Error> {
+/// The extreme conditions, and what was looked for.
+fn explain(text: &mut String, found: &[Condition]) -> std::fmt::Result {
+    found.iter().try_for_each(|condition| write!(text, "{condition}"))?;
+    let absent: Vec<&str> = LOOKED_FOR
+        .iter()
+        .map(|(name, _)| *name)
+        .filter(|name| found.iter().all(|condition| condition.name != *name))
+        .collect();
+    writeln!(text, "not found  {}", absent.join(", "))
+}
+
+fn describe(scene: &Scene) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     let geometry = &scene.geometry;
     writeln!(text, "scene      {} ({})", scene.name, scene.hash)?;

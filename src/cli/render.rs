@@ -13,12 +13,13 @@ use etalon::image::{
 };
 use etalon::integrator::{Integrator, Rendering};
 use etalon::metropolis::Outcome;
+use etalon::scene::conditions::{ORDINARY_SPP, conditions, in_short};
 use etalon::scene::{Plan, Scene, View};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Samples per pixel where nothing is said.
-pub(super) const DEFAULT_SPP: u64 = 64;
+pub(super) const DEFAULT_SPP: u64 = ORDINARY_SPP as u64;
 
 /// What a developed picture may be.
 pub(super) const DEVELOPED_RULE: &str = "a developed picture is a PNG, a TIFF or a JPEG";
@@ -119,6 +120,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         facts.samples_per_pixel,
         facts.seconds
     ));
+    if !facts.conditions.is_empty() {
+        super::print(&format!(
+            "conditions {}; `etalon check --explain` tells more",
+            in_short(&facts.conditions)
+        ));
+    }
     if let Some(outcome) = &facts.metropolis {
         tell(outcome);
     }
@@ -271,6 +278,7 @@ pub fn render_to_files(
         stopping: Stopping { ends, ..Stopping::of(&budget) },
         metropolis,
         truncation: Some(truncation),
+        conditions: conditions(scene, Some(view)),
         ..Facts::of(scene, view, &plan, integrator, &budget, &film, elapsed)
     };
     let planes = planes(&film, &view.sensor, &view.flat_field());

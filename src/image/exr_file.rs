@@ -55,19 +55,27 @@ pub fn write_exr(path: &Path, film: &Film, view: &View, facts: &Facts, layers: L
     );
     layer.attributes.exposure = Some(facts.camera.shutter_s as f32);
     let mut image = Image::from_layer(layer);
-    // X, Y, Z are their own primaries, with equal energy white (OpenEXR's advice for CIE XYZ).
-    if !layers.linear_srgb {
-        image.attributes.chromaticities = Some(attribute::Chromaticities {
-            red: Vec2(1.0, 0.0),
-            green: Vec2(0.0, 1.0),
-            blue: Vec2(0.0, 0.0),
-            white: Vec2(1.0 / 3.0, 1.0 / 3.0),
-        });
-    }
+    image.attributes.chromaticities =
+        Some(if layers.linear_srgb { SRGB_CHROMATICITIES } else { XYZ_CHROMATICITIES });
     write_whole(path, "picture", |to| image.write().to_buffered(to).map_err(|e| e.to_string()))
 }
 
 const XYZ: [&str; 3] = ["X", "Y", "Z"];
+
+/// X, Y, Z are their own primaries, with equal energy white (OpenEXR's advice for CIE XYZ).
+const XYZ_CHROMATICITIES: attribute::Chromaticities = attribute::Chromaticities {
+    red: Vec2(1.0, 0.0),
+    green: Vec2(0.0, 1.0),
+    blue: Vec2(0.0, 0.0),
+    white: Vec2(1.0 / 3.0, 1.0 / 3.0),
+};
+/// Of the channels R, G, B where there are any (IEC 61966-2-1).
+const SRGB_CHROMATICITIES: attribute::Chromaticities = attribute::Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.3, 0.6),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.329),
+};
 
 fn attributes(facts: &Facts, sensor: &Sensor) -> LayerAttributes {
     let text = |value: &str| Text::new_or_none(value);

@@ -4,6 +4,7 @@ use crate::camera::{CameraRecord, Film};
 use crate::integrator::{Budget, End, Integrator, Truncation, cpu_seconds};
 use crate::metropolis::Outcome;
 use crate::replay::SampleName;
+use crate::scene::conditions::Condition;
 use crate::scene::{Plan, Scene, View};
 use serde::Serialize;
 use std::time::Duration;
@@ -13,6 +14,9 @@ use std::time::Duration;
 pub struct Facts {
     /// Version of the program.
     pub version: &'static str,
+    /// Commit that the program was built from, with `-changed` where its sources differ; `None`
+    /// where it was built without a repository.
+    pub git_hash: Option<&'static str>,
     /// Name of the scene.
     pub scene: String,
     /// Hash of the scene and of the files that it names.
@@ -42,6 +46,8 @@ pub struct Facts {
     pub missing: Vec<String>,
     /// Remarks on the scene's data.
     pub notes: Vec<String>,
+    /// Extreme conditions of the scene, and what they do to the error to be expected.
+    pub conditions: Vec<Condition>,
     /// Estimated relative error of the luminance picture; `None` from a single block.
     pub relative_error: Option<f64>,
     /// Contributions that were not finite; they count as zero, which biases their pixels by an
@@ -98,6 +104,7 @@ impl Facts {
     ) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
+            git_hash: option_env!("ETALON_COMMIT"),
             scene: scene.name.clone(),
             scene_hash: scene.hash.clone(),
             seed: budget.seed,
@@ -112,6 +119,7 @@ impl Facts {
             plan: plan.reasons.clone(),
             missing: plan.unreachable.iter().map(|c| format!("{}: {}", c.word, c.meaning)).collect(),
             notes: scene.notes.clone(),
+            conditions: Vec::new(),
             relative_error: film.relative_error(),
             non_finite_samples: film.faults.count,
             non_finite: film.faults.named.clone(),

@@ -1,6 +1,6 @@
 //! A surface's description over all wavelengths, from which a path takes its [`Bsdf`].
 
-use super::{Bsdf, Interface, Lambertian, Mirror};
+use super::{Bsdf, Ggx, Interface, Lambertian, Mirror};
 use crate::spectrum::{Dense, Wavelengths};
 
 /// What a surface is made of.
@@ -93,13 +93,13 @@ impl Material {
     }
 
     /// Whether the surface has ideal reflection or refraction, which no light can be aimed
-    /// through.
+    /// through; a roughness below [`Ggx::MIN_ALPHA`] is none.
     pub fn is_smooth(&self) -> bool {
         match self {
             Self::Lambertian { .. } => false,
             Self::Mirror { .. } => true,
             Self::Dielectric { roughness_alpha, .. } | Self::Conductor { roughness_alpha, .. } => {
-                *roughness_alpha == 0.0
+                *roughness_alpha < Ggx::MIN_ALPHA
             }
         }
     }

@@ -3,6 +3,7 @@
 mod build;
 mod chain;
 mod closure;
+pub mod conditions;
 pub mod file;
 mod file_camera;
 mod file_spectrum;
