@@ -1,7 +1,12 @@
 //! What the tests share: scenes from text, readings, and the judgement of a statistical one.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub mod chi_squared;
+pub mod facets;
+pub mod hemisphere;
+pub mod refusals;
 pub mod rooms;
+pub mod runs;
 pub mod scenes;
 
 use etalon::camera::Sensor;
