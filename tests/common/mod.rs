@@ -43,7 +43,12 @@ pub fn read_one(scene: &Scene, samples: u64) -> Reading {
 
 /// The reading of a scene's only meter.
 pub fn read_with(scene: &Scene, integrator: Integrator, samples: u64) -> Reading {
-    let mut readings = read_meters(scene, integrator, samples, 1);
+    read_seeded(scene, integrator, samples, 1)
+}
+
+/// The reading of a scene's only meter, with the seed of its random numbers.
+pub fn read_seeded(scene: &Scene, integrator: Integrator, samples: u64, seed: u64) -> Reading {
+    let mut readings = read_meters(scene, integrator, samples, seed);
     assert_eq!(readings.len(), 1);
     readings.remove(0)
 }
