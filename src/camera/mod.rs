@@ -54,6 +54,6 @@ pub use exposure::{Exposure, STANDARD_Q, STANDARD_Q_ON_AXIS, clear_lens_q};
 pub use film::{BlockStatistics, Film};
 pub use lens::{Camera, CameraPlacement, LensAperture};
 pub use record::{CameraRecord, ChannelRecord, Optics, Responses, Seen, White};
-pub use sensor::{CIE_SENSOR, Channel, Detector, Sensor, uncovered_share};
+pub use sensor::{CIE_SENSOR, Channel, Detector, Sensor};
 pub use stages::{SWITCHES, Stage};
 pub use vignetting::{Coordinate, FLAT_FIELD_CHANNEL, FlatField, Vignetting, cos4};

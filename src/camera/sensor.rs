@@ -236,6 +236,21 @@ impl Sensor {
             put(index, f64::from((per_density * channel.response.at(wavelengths)).mean()));
         }
     }
+
+    /// The channel with the largest share of its response outside a range of wavelengths, and
+    /// that share, counted over the 1 nm grid.
+    pub fn uncovered_share(&self, range_nm: (f64, f64)) -> (&str, f64) {
+        let share = |channel: &Channel| {
+            let (mut outside, mut total) = (0.0, 0.0);
+            for (nm, response) in on_grid(channel) {
+                total += response;
+                outside += if (range_nm.0..=range_nm.1).contains(&nm) { 0.0 } else { response };
+            }
+            if total > 0.0 { outside / total } else { 0.0 }
+        };
+        let shares = self.channels.iter().map(|channel| (channel.name.as_str(), share(channel)));
+        shares.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or(("", 0.0))
+    }
 }
 
 fn xyz_channels() -> Vec<Channel> {
@@ -257,16 +272,4 @@ fn on_grid(channel: &Channel) -> impl Iterator<Item = (f64, f64)> + '_ {
 
 fn names_channel(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric())
-}
-
-/// Share of the luminous response of the grid that a table's range does not cover.
-pub fn uncovered_share(range_nm: (f64, f64)) -> f64 {
-    let y_bar = &CIE_1931.matching[1];
-    let covered = |nm: f64| (range_nm.0..=range_nm.1).contains(&nm);
-    let (mut outside, mut total) = (0.0, 0.0);
-    for (nm, weight) in grid_nm().zip(y_bar) {
-        total += weight;
-        outside += if covered(nm) { 0.0 } else { *weight };
-    }
-    outside / total
 }

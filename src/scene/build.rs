@@ -4,6 +4,7 @@ use super::file::{LengthUnit, MaterialFile, SceneFile};
 use super::objects::Stage;
 use super::spectra::Spectra;
 use super::{Scene, view};
+use crate::camera::Sensor;
 use crate::error::{Error, Result};
 use crate::material::Material;
 use crate::spectrum::RefractiveIndex;
@@ -46,6 +47,7 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
     }
     super::siting::remarks(&stage.geometry, &objects).into_iter().for_each(|remark| spectra.note(remark));
     super::siting::check_bodies(&stage.geometry, &objects, &materials)?;
+    let sensor = view.as_ref().map_or_else(Sensor::cie, |view| view.sensor.clone());
     let mut hash = Fnv::default();
     hash.add(text.as_bytes());
     spectra.files_read.iter().for_each(|(_, text)| hash.add(text.as_bytes()));
@@ -61,7 +63,7 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
         lines_nm,
         view,
         meters,
-        notes: spectra.remarks(),
+        notes: spectra.remarks(&sensor),
         hash: format!("{:016x}", hash.0),
     })
 }

@@ -1,7 +1,7 @@
 //! Names, files and formulas of a scene's spectra, resolved to curves.
 
 use super::file::{IndexDescription, IndexFile, LineFile, MetalFile, SpectrumDescription, SpectrumFile};
-use crate::camera::uncovered_share;
+use crate::camera::Sensor;
 use crate::error::{Error, Result};
 use crate::spectrum::library::{self, Purpose};
 use crate::spectrum::{
@@ -23,15 +23,22 @@ pub(super) struct Spectra<'a> {
     own: &'a BTreeMap<String, SpectrumFile>,
     /// Remarks for the report.
     notes: Vec<String>,
-    /// Names of spectra by what is to be said of their coverage.
-    coverage: BTreeMap<String, Vec<String>>,
+    /// Where spectra end within the wavelengths that transport considers.
+    gaps: Vec<Gap>,
     /// Text of the files that were read, for the scene's hash.
     pub files_read: Vec<(PathBuf, String)>,
 }
 
+/// Spectra that are known over part of the grid, and what holds beyond.
+struct Gap {
+    range_nm: (f64, f64),
+    rule: &'static str,
+    names: Vec<String>,
+}
+
 impl<'a> Spectra<'a> {
     pub fn new(folder: &'a Path, own: &'a BTreeMap<String, SpectrumFile>) -> Self {
-        Self { folder, own, notes: Vec::new(), coverage: BTreeMap::new(), files_read: Vec::new() }
+        Self { folder, own, notes: Vec::new(), gaps: Vec::new(), files_read: Vec::new() }
     }
 
     /// Something that surfaces and media have: a curve without lines.
@@ -39,32 +46,20 @@ impl<'a> Spectra<'a> {
         without_lines(self.light(spectrum, Purpose::Reflectance)?)
     }
 
-    /// A spectrum for a purpose, with a note where a table leaves part of the eye's response
+    /// A spectrum for a purpose, with a note where a table leaves part of the sensor's response
     /// uncovered.
     fn light(&mut self, spectrum: &SpectrumFile, purpose: Purpose) -> Result<LampSpectrum> {
         let light = self.resolve(spectrum, purpose, 0)?;
         if let Some(range) = light.continuum().range_nm() {
-            let share = uncovered_share(range);
-            if share > 1e-6 {
-                let rule = match purpose {
-                    Purpose::Reflectance => "its end values are held",
-                    Purpose::Emission => "it counts as zero",
-                };
-                let name = match spectrum {
-                    SpectrumFile::Name(name) => format!("\"{name}\""),
-                    _ => "a spectrum described in the scene".to_owned(),
-                };
-                let remark = format!(
-                    "known from {} to {} nm; outside, with {:.4} % of the luminous response, {rule}",
-                    range.0,
-                    range.1,
-                    100.0 * share
-                );
-                let names = self.coverage.entry(remark).or_default();
-                if !names.contains(&name) {
-                    names.push(name);
-                }
-            }
+            let rule = match purpose {
+                Purpose::Reflectance => "its end values are held",
+                Purpose::Emission => "it counts as zero",
+            };
+            let name = match spectrum {
+                SpectrumFile::Name(name) => format!("\"{name}\""),
+                _ => "a spectrum described in the scene".to_owned(),
+            };
+            self.note_range(range, rule, name);
         }
         Ok(light)
     }
@@ -228,22 +223,40 @@ impl<'a> Spectra<'a> {
         let n_outside = index_over_grid(outside).map_err(|e| e.under("outside_index"))?;
         let excess: Vec<f32> = n_inside.iter().zip(&n_outside).map(|(i, o)| ((i - o) / o) as f32).collect();
         for index in [inside, outside] {
-            if let Some(range) = index.fitted_range_nm().filter(|r| uncovered_share(*r) > 0.0) {
-                self.note(format!(
-                    "a dispersion formula fitted for {} to {} nm is followed beyond, with {:.4} % of the luminous response",
-                    range.0,
-                    range.1,
-                    100.0 * uncovered_share(range)
-                ));
+            if let Some(range) = index.fitted_range_nm() {
+                self.note_range(range, "it is followed beyond its fit", "a dispersion formula".to_owned());
             }
         }
         Ok(Dense::from_values(&excess))
     }
 
-    /// All remarks, spectra of equal coverage together.
-    pub fn remarks(&self) -> Vec<String> {
-        let coverage = self.coverage.iter().map(|(remark, names)| format!("{}: {remark}", names.join(", ")));
-        self.notes.iter().cloned().chain(coverage).collect()
+    /// Notes over which wavelengths something is known, for the remark on the others.
+    fn note_range(&mut self, range_nm: (f64, f64), rule: &'static str, name: String) {
+        let same = |gap: &&mut Gap| gap.range_nm == range_nm && gap.rule == rule;
+        match self.gaps.iter_mut().find(same) {
+            Some(gap) if gap.names.contains(&name) => {}
+            Some(gap) => gap.names.push(name),
+            None => self.gaps.push(Gap { range_nm, rule, names: vec![name] }),
+        }
+    }
+
+    /// All remarks, spectra of equal coverage together; `sensor` is the camera's.
+    pub fn remarks(&self, sensor: &Sensor) -> Vec<String> {
+        /// A smaller share of every channel's response is not worth a word.
+        const LEAST_SHARE: f64 = 1e-6;
+        let gaps = self.gaps.iter().filter_map(|Gap { range_nm, rule, names }| {
+            let (channel, share) = sensor.uncovered_share(*range_nm);
+            (share > LEAST_SHARE).then(|| {
+                format!(
+                    "{}: known from {} to {} nm; outside, with up to {:.4} % of a channel's response ({channel}), {rule}",
+                    names.join(", "),
+                    range_nm.0,
+                    range_nm.1,
+                    100.0 * share
+                )
+            })
+        });
+        self.notes.iter().cloned().chain(gaps).collect()
     }
 
     /// Notes a remark once.
@@ -368,20 +381,8 @@ impl<'a> Spectra<'a> {
     }
 }
 
-/// An index at every grid point. A pole of Sellmeier's formula within the grid's range is an
-/// error even where no grid point meets it.
+/// An index at every grid point.
 fn index_over_grid(index: &RefractiveIndex) -> Result<Vec<f64>> {
-    /// Nearer than this to a pole a formula says nothing about a glass.
-    const CLEARANCE_NM: f64 = 1.0;
-    if let RefractiveIndex::Sellmeier { terms, .. } = index {
-        let poles = terms.iter().filter(|[b, _]| *b != 0.0).map(|[_, c_um2]| 1000.0 * c_um2.max(0.0).sqrt());
-        let near = FIRST_NM - CLEARANCE_NM..=LAST_NM + CLEARANCE_NM;
-        if let Some(pole) = poles.into_iter().find(|pole| near.contains(pole)) {
-            return Err(Error::new(format!("Sellmeier's formula has a pole at {pole:.2} nm")).hint(
-                "coefficients c_um2 are squares of wavelengths in um, outside 360 to 830 nm; check the unit",
-            ));
-        }
-    }
     grid_nm().map(|nm| index.at(nm)).collect()
 }
 

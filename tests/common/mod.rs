@@ -2,9 +2,14 @@
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 pub mod alone;
+pub mod chi_squared;
 pub mod contributions;
+pub mod facets;
+pub mod hemisphere;
 pub mod program;
+pub mod refusals;
 pub mod rooms;
+pub mod runs;
 pub mod scaling;
 pub mod scenes;
 
@@ -42,7 +47,12 @@ pub fn read_one(scene: &Scene, samples: u64) -> Reading {
 
 /// The reading of a scene's only meter.
 pub fn read_with(scene: &Scene, integrator: Integrator, samples: u64) -> Reading {
-    let mut readings = read_meters(scene, integrator, samples, 1);
+    read_seeded(scene, integrator, samples, 1)
+}
+
+/// The reading of a scene's only meter, with the seed of its random numbers.
+pub fn read_seeded(scene: &Scene, integrator: Integrator, samples: u64, seed: u64) -> Reading {
+    let mut readings = read_meters(scene, integrator, samples, seed);
     assert_eq!(readings.len(), 1);
     readings.remove(0)
 }

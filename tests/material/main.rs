@@ -7,6 +7,8 @@
 
 mod chi_squared;
 mod closed_forms;
+#[path = "../common/mod.rs"]
+mod common;
 mod conservation;
 mod edges;
 mod furnace;
