@@ -13,7 +13,7 @@ mod sheet;
 pub use developed::{DEVELOPED_ENDINGS, write_developed, write_raw};
 pub use exif::Label;
 pub use exr_file::{FACTS_ATTRIBUTE, Layers, RESPONSES_ATTRIBUTE, write_exr};
-pub use exr_read::{Rendered, read_exr, read_levels};
+pub use exr_read::{Rendered, parse_exr, read_exr, read_levels};
 pub use facts::Facts;
 pub use sheet::{Tile, write_sheet};
 
