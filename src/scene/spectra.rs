@@ -86,9 +86,10 @@ impl<'a> Spectra<'a> {
         if high <= 1.0 {
             return Ok(curve);
         }
-        Err(place(Error::new(format!("a transmission of {} is above 1", short(high))).hint(
-            "a transmission lies between 0 and 1; use \"factor\": 0.01 for a table in per cent",
-        )))
+        Err(place(
+            Error::new(format!("a transmission of {} is above 1", short(high)))
+                .hint("a transmission lies between 0 and 1; use \"factor\": 0.01 for a table in per cent"),
+        ))
     }
 
     /// A detector's response: not negative, zero outside a table.
@@ -103,8 +104,9 @@ impl<'a> Spectra<'a> {
         let curve = self.curve(spectrum)?;
         let (low, high) = curve.extremes();
         if low < 0.0 {
-            let fault = Error::new(format!("a reflectance of {} is negative", short(low)))
-                .hint("a reflectance lies between 0 and 1; measured noise below zero is clipped in the table");
+            let fault = Error::new(format!("a reflectance of {} is negative", short(low))).hint(
+                "a reflectance lies between 0 and 1; measured noise below zero is clipped in the table",
+            );
             return Err(self.pointed(spectrum, fault, &|value| value == low));
         }
         if high.is_nan() || high > 1.0 {
