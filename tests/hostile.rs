@@ -236,10 +236,11 @@ fn a_picture_whose_header_announces_more_than_it_holds_is_refused() {
     let output = render.to_str().expect("UTF-8");
     assert!(within(PROGRAM_KIB, &["render", sound, "--spp", "64", "-o", output]).status.success());
     let mut bytes = std::fs::read(&render).expect("rendered");
-    // The data window of 36 by 24 pixels: four numbers of 32 bits, the last pixel included.
-    let window: Vec<u8> = [0_i32, 0, 35, 23].iter().flat_map(|n| n.to_le_bytes()).collect();
+    // Behind the attribute's name, type and size: four numbers of 32 bits, the last pixel included.
+    let name = b"dataWindow\0box2i\0\x10\0\0\0";
+    let place =
+        name.len() + bytes.windows(name.len()).position(|part| part == name).expect("there is a data window");
     let huge: Vec<u8> = [0_i32, 0, 35, 1_000_000_000].iter().flat_map(|n| n.to_le_bytes()).collect();
-    let place = bytes.windows(16).position(|part| part == window).expect("there is a data window");
     bytes[place..place + 16].copy_from_slice(&huge);
     std::fs::write(&render, &bytes).expect("written");
     let png = folder.join("out.png");
