@@ -69,7 +69,8 @@ impl Error {
             ErrorKind::NotFound => "check the path",
             ErrorKind::PermissionDenied => "check the permissions",
             ErrorKind::IsADirectory => "name a file, not a folder",
-            ErrorKind::InvalidData => "save the file as UTF-8 text",
+            ErrorKind::InvalidInput => "save what it gives to a file and name that",
+            ErrorKind::FileTooLarge => "check that this is the right file",
             _ => "check the disk and the path",
         };
         Self::new(format!("cannot {doing}: {}", reason(source))).in_file(file).hint(hint)
@@ -92,8 +93,10 @@ impl Error {
     pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
         /// Below this Jaro-Winkler similarity a suggestion confuses more than it helps.
         const ALIKE: f64 = 0.75;
+        /// Longer names are not compared: the time grows with the product of both lengths.
+        const LONGEST: usize = 100;
+        let known = known.into_iter().filter(|name| wrong.len().max(name.len()) <= LONGEST);
         known
-            .into_iter()
             .map(|name| (strsim::jaro_winkler(wrong, name), name))
             .filter(|(likeness, _)| *likeness > ALIKE)
             .max_by(|a, b| a.0.total_cmp(&b.0))
@@ -126,12 +129,29 @@ fn reason(source: &std::io::Error) -> String {
     text.split(" (os error").next().unwrap_or_default().to_owned()
 }
 
-/// Passes text on with line breaks and other control characters written out, so that an
-/// error stays on its line whatever names a file gives things.
+/// Passes text on with line breaks and other control characters written out and its middle
+/// left out where it is long, so that an error stays on its line whatever names a file gives
+/// things.
 struct OneLine<'a, 'b>(&'a mut fmt::Formatter<'b>);
 
-impl fmt::Write for OneLine<'_, '_> {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
+impl OneLine<'_, '_> {
+    /// Writes one part of a message.
+    fn part(&mut self, text: &str) -> fmt::Result {
+        /// Characters at either end of a part that is shortened.
+        const KEPT: usize = 150;
+        let end = text.char_indices().nth(KEPT).map(|(at, _)| at);
+        let start = text.char_indices().rev().nth(KEPT - 1).map(|(at, _)| at);
+        match (end, start) {
+            (Some(end), Some(start)) if end < start => {
+                self.controls_escaped(&text[..end])?;
+                self.0.write_str(" … ")?;
+                self.controls_escaped(&text[start..])
+            }
+            _ => self.controls_escaped(text),
+        }
+    }
+
+    fn controls_escaped(&mut self, text: &str) -> fmt::Result {
         for part in text.split_inclusive(char::is_control) {
             let plain = part.trim_end_matches(char::is_control);
             self.0.write_str(plain)?;
@@ -143,26 +163,31 @@ impl fmt::Write for OneLine<'_, '_> {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        use fmt::Write as _;
-        let mut f = OneLine(f);
+        let mut line = OneLine(f);
         if let Some(file) = &self.file {
-            write!(f, "{}", file.display())?;
-            if let Some(line) = self.line {
-                write!(f, ":{line}")?;
+            line.controls_escaped(&file.display().to_string())?;
+            if let Some(number) = self.line {
+                write!(line.0, ":{number}")?;
                 if let Some(column) = self.column {
-                    write!(f, ":{column}")?;
+                    write!(line.0, ":{column}")?;
                 }
             }
         }
-        let separator = if self.file.is_some() { " " } else { "" };
         match &self.pointer {
-            Some(pointer) => write!(f, "{separator}{pointer}: ")?,
-            None if self.file.is_some() => f.write_str(": ")?,
+            Some(pointer) => {
+                line.0.write_str(if self.file.is_some() { " " } else { "" })?;
+                line.part(pointer)?;
+                line.0.write_str(": ")?;
+            }
+            None if self.file.is_some() => line.0.write_str(": ")?,
             None => {}
         }
-        f.write_str(&self.message)?;
+        line.part(&self.message)?;
         match &self.hint {
-            Some(hint) => write!(f, "; {hint}"),
+            Some(hint) => {
+                line.0.write_str("; ")?;
+                line.part(hint)
+            }
             None => Ok(()),
         }
     }
@@ -189,6 +214,14 @@ mod tests {
     fn a_name_with_a_line_break_stays_on_its_line() {
         let error = Error::new("unknown material \"a\nb\"").under("x/y~z");
         assert_eq!(error.to_string(), "/x~1y~0z: unknown material \"a\\nb\"");
+    }
+
+    #[test]
+    fn a_long_name_is_shortened_in_its_middle() {
+        let name = format!("a{}z", "é".repeat(1_000_000));
+        let line = Error::new(format!("unknown material \"{name}\"")).hint(name).to_string();
+        assert!(line.starts_with("unknown material \"aéé") && line.ends_with("ééz"), "{line:.100}");
+        assert!(line.len() < 1500, "{}", line.len());
     }
 
     #[test]

@@ -37,6 +37,7 @@ pub mod camera;
 pub mod error;
 pub mod geometry;
 pub mod image;
+pub mod input;
 pub mod integrator;
 pub mod light;
 pub mod material;

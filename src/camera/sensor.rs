@@ -106,7 +106,8 @@ impl Sensor {
         for column in table.columns.iter().skip(1) {
             if !names_channel(column) {
                 return Err(Error::new(format!("the column \"{column}\" cannot name a channel"))
-                    .hint("use letters and digits, such as wavelength_nm,r,g,b"));
+                    .hint("use letters and digits, such as wavelength_nm,r,g,b")
+                    .at(table.header_line(), Some(1)));
             }
             let curve = library::curve(table, Some(column), Purpose::Emission)?;
             let response = Dense::from_fn(|nm| curve.at(nm));

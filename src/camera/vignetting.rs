@@ -60,11 +60,15 @@ impl Vignetting {
         let coordinate = match table.columns[0].as_str() {
             "radius_mm" => Coordinate::RadiusMm,
             "angle_deg" => Coordinate::AngleDeg,
-            other => return Err(Error::unknown_name("column", other, ["radius_mm", "angle_deg"])),
+            other => {
+                return Err(Error::unknown_name("column", other, ["radius_mm", "angle_deg"])
+                    .at(table.header_line(), Some(1)));
+            }
         };
         let Some(relative_illuminance) = table.column("relative_illuminance") else {
             return Err(Error::new("the table has no column \"relative_illuminance\"")
-                .hint("name the columns radius_mm,relative_illuminance"));
+                .hint("name the columns radius_mm,relative_illuminance")
+                .at(table.header_line(), Some(1)));
         };
         let at: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
         let falls = |row: &usize| at[*row] < 0.0 || (*row > 0 && at[*row] <= at[*row - 1]);
@@ -79,7 +83,7 @@ impl Vignetting {
                 relative_illuminance[row]
             ))
             .hint("give the illuminance relative to the axis, such as 0.87")
-            .at(table.line_of(row), None));
+            .at(table.line_of(row), Some(1)));
         }
         Ok(Self::RadialTable { file: file.to_owned(), coordinate, at, relative_illuminance })
     }

@@ -5,6 +5,7 @@ use clap::Args;
 use etalon::camera::{CameraRecord, Darkroom, Matrix, Noise, SWITCHES, Tone, shows_recorded};
 use etalon::error::{Error, Result};
 use etalon::image::{DEVELOPED_ENDINGS, Label, Rendered, read_exr, write_developed, write_raw};
+use etalon::input;
 use etalon::scene::file::Anchor;
 use etalon::scene::{check_white, equal_energy, white_named};
 use etalon::spectrum::LampSpectrum;
@@ -198,13 +199,17 @@ fn set_matrix(
 
 fn read_matrix(file: &Path) -> Result<Matrix> {
     const EXAMPLE: &str = "for example {\"to\": \"srgb\", \"rows\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}";
-    let text = std::fs::read_to_string(file).map_err(|e| Error::io(file, "read the matrix", &e))?;
+    /// A matrix has a few hundred characters.
+    const MOST_BYTES: u64 = 1 << 20;
+    let bytes =
+        input::read_bytes_or_pipe(file, MOST_BYTES).map_err(|e| Error::io(file, "read the matrix", &e))?;
+    let text = input::text_of(&bytes).map_err(|e| e.in_file(file))?;
     // A list of the fields' values would pass for an object of them.
     if text.trim_start().starts_with('[') {
         let list = Error::new("a list where an object with \"to\" and \"rows\" belongs");
         return Err(list.hint(EXAMPLE).in_file(file));
     }
-    serde_json::from_str(&text).map_err(|e| {
+    serde_json::from_str(text).map_err(|e| {
         Error::new(in_plain_words(&e)).hint(EXAMPLE).at(e.line(), Some(e.column())).in_file(file)
     })
 }

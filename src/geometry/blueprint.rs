@@ -42,7 +42,7 @@ impl Blueprint {
                 normals.swap(1, 2);
             }
         }
-        let unit = |n: DVec3| to_world.normal(n).normalize_or_zero().as_vec3a();
+        let unit = |n: DVec3| to_world.normal(squarable(n)).normalize_or_zero().as_vec3a();
         Self::Triangle(corners.map(|p| to_world.point(p)), normals.map(|n| n.map(unit)))
     }
 
@@ -108,4 +108,10 @@ impl Blueprint {
     pub fn may_vanish(&self) -> bool {
         matches!(self, Self::Triangle(..))
     }
+}
+
+/// The vector itself, or one along it where its square would leave the range of `f64`.
+fn squarable(vector: DVec3) -> DVec3 {
+    let largest = vector.abs().max_element();
+    if largest == 0.0 || (1e-100..1e100).contains(&largest) { vector } else { vector / largest }
 }

@@ -72,22 +72,28 @@ pub enum ShapeError {
 
 /// Why a mesh file cannot be read.
 #[derive(Debug, Error)]
-#[error("{}{}: {what}", file.display(), line.map(|n| format!(":{n}")).unwrap_or_default())]
+#[error("{}{}{}: {what}", file.display(), after_colon(*line), after_colon(*column))]
 pub struct MeshFileError {
     /// The file.
     pub file: PathBuf,
     /// Line number from 1, where it is known.
     pub line: Option<usize>,
+    /// Column from 1, in characters, where it is known.
+    pub column: Option<usize>,
     /// What is wrong.
     pub what: MeshFault,
+}
+
+fn after_colon(number: Option<usize>) -> String {
+    number.map(|n| format!(":{n}")).unwrap_or_default()
 }
 
 /// What is wrong with a mesh file.
 #[derive(Debug, Error)]
 pub enum MeshFault {
-    /// The file cannot be opened or read.
-    #[error("{0}")]
-    Io(#[from] std::io::Error),
+    /// The file holds another one, packed.
+    #[error("the file is packed ({0})")]
+    Packed(&'static str),
     /// The text or structure does not follow the format.
     #[error("{0}")]
     Syntax(String),
@@ -109,10 +115,28 @@ pub enum MeshFault {
         /// How many there are.
         vertices: usize,
     },
+    /// A normal without direction.
+    #[error("a normal of zero length points nowhere")]
+    NoDirection,
     /// A coordinate is NaN or infinite.
     #[error("a coordinate is not finite")]
     NotFinite,
     /// The file holds no face.
     #[error("the file holds no face")]
     Empty,
+}
+
+impl MeshFault {
+    /// What to do about it.
+    pub const fn remedy(&self) -> &'static str {
+        match self {
+            Self::Packed(_) => "unpack it and name the file that was inside",
+            Self::Count { .. } => "the file is cut short or its header wrong; write it anew",
+            Self::NoDirection => "compute the normals anew, or write the mesh without them",
+            Self::Empty => "check the mesh, or write it anew with its faces",
+            Self::Syntax(_) | Self::NoSuchVertex { .. } | Self::NotFinite => {
+                "check the mesh, or write it anew"
+            }
+        }
+    }
 }

@@ -23,6 +23,7 @@ mod ray;
 mod shape;
 mod specimens;
 mod transform;
+mod words;
 
 pub use accelerate::Geometry;
 pub use bounds::{Bounds, MetreBounds, unit_scale};
@@ -30,8 +31,8 @@ pub use builder::GeometryBuilder;
 pub use error::{MeshFault, MeshFileError, ShapeError};
 pub use frame::Frame;
 pub use mesh::Mesh;
-pub use obj::{parse_obj, read_obj};
-pub use ply::{parse_ply, read_ply};
+pub use obj::parse_obj;
+pub use ply::parse_ply;
 pub use precise::{Meeting, PreciseRay};
 pub use primitive::Primitive;
 pub use ray::{Hit, Ray, SurfacePoint};

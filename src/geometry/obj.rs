@@ -2,9 +2,13 @@
 //! passed over.
 //!
 //! Read here rather than by a library for three things a scene needs: coordinates in double
-//! precision, line numbers in errors, and no way to panic.
+//! precision, line and column in errors, and no way to panic. What is held is at most 64 times
+//! the file's size: nothing is made for a number that is announced, only for words that stand
+//! there.
 
+use super::words::{column, words};
 use super::{Mesh, MeshFault, MeshFileError};
+use crate::input::packed;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
@@ -12,32 +16,35 @@ use std::path::Path;
 /// Statements that carry no surface.
 const PASSED_OVER: [&str; 9] = ["vt", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p"];
 
-/// Reads an OBJ file; polygons become fans of triangles around their first vertex.
-pub fn read_obj(path: &Path) -> Result<Mesh, MeshFileError> {
-    let bytes =
-        std::fs::read(path).map_err(|e| MeshFileError { file: path.into(), line: None, what: e.into() })?;
-    parse_obj(path, &bytes)
-}
-
-/// Reads the contents of an OBJ file; `name` stands in errors.
+/// Reads the contents of an OBJ file; polygons become fans of triangles around their first
+/// vertex, and `name` stands in errors.
 pub fn parse_obj(name: &Path, bytes: &[u8]) -> Result<Mesh, MeshFileError> {
+    let at = |line: usize, column: usize, what: MeshFault| MeshFileError {
+        file: name.into(),
+        line: Some(line),
+        column: Some(column),
+        what,
+    };
+    if let Some(kind) = packed(bytes) {
+        return Err(at(1, 1, MeshFault::Packed(kind)));
+    }
+    let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     let mut reader = ObjReader::default();
     for (number, line) in bytes.split(|&b| b == b'\n').enumerate() {
         let line = String::from_utf8_lossy(line);
-        reader.statement(&line).map_err(|what| MeshFileError {
-            file: name.into(),
-            line: Some(number + 1),
-            what,
-        })?;
+        reader.statement(&line).map_err(|(byte, what)| at(number + 1, column(&line, byte), what))?;
     }
     if reader.mesh.triangles.is_empty() {
-        return Err(MeshFileError { file: name.into(), line: None, what: MeshFault::Empty });
+        return Err(at(1, 1, MeshFault::Empty));
     }
     if !reader.any_normals {
         reader.mesh.normals.clear();
     }
     Ok(reader.mesh)
 }
+
+/// A fault and the byte of the line that it stands at.
+type Fault = (usize, MeshFault);
 
 #[derive(Default)]
 struct ObjReader {
@@ -51,28 +58,39 @@ struct ObjReader {
 }
 
 impl ObjReader {
-    fn statement(&mut self, line: &str) -> Result<(), MeshFault> {
+    fn statement(&mut self, line: &str) -> Result<(), Fault> {
         let line = line.split('#').next().unwrap_or_default();
-        let mut words = line.split_ascii_whitespace();
+        let mut words = words(line);
         match words.next() {
             None => Ok(()),
-            Some("v") => vector(words).map(|v| self.positions.push(v)),
-            Some("vn") => vector(words).map(|v| self.normals.push(v)),
-            Some("f") => self.face(words),
-            Some(word) if PASSED_OVER.contains(&word) => Ok(()),
-            Some(word) => Err(MeshFault::Syntax(format!("unknown statement \"{word}\""))),
+            Some((_, "v")) => vector(line, words).map(|v| self.positions.push(v)),
+            Some((start, "vn")) => {
+                let normal = vector(line, words)?;
+                if normal == DVec3::ZERO {
+                    return Err((start, MeshFault::NoDirection));
+                }
+                self.normals.push(normal);
+                Ok(())
+            }
+            Some((start, "f")) => self.face(start, words),
+            Some((_, word)) if PASSED_OVER.contains(&word) => Ok(()),
+            Some((start, word)) => Err((start, MeshFault::Syntax(format!("unknown statement \"{word}\"")))),
         }
     }
 
-    fn face<'a>(&mut self, corners: impl Iterator<Item = &'a str>) -> Result<(), MeshFault> {
+    fn face<'a>(
+        &mut self,
+        start: usize,
+        corners: impl Iterator<Item = (usize, &'a str)>,
+    ) -> Result<(), Fault> {
         self.polygon.clear();
-        for corner in corners {
-            let vertex = self.corner(corner)?;
+        for (byte, corner) in corners {
+            let vertex = self.corner(corner).map_err(|what| (byte, what))?;
             self.polygon.push(vertex);
         }
         if self.polygon.len() < 3 {
             let found = self.polygon.len();
-            return Err(MeshFault::Syntax(format!("a face needs 3 vertices, found {found}")));
+            return Err((start, MeshFault::Syntax(format!("a face needs 3 vertices, found {found}"))));
         }
         self.mesh.push_polygon(&self.polygon);
         Ok(())
@@ -110,11 +128,16 @@ fn resolve(text: &str, count: usize) -> Result<usize, MeshFault> {
     from_zero.filter(|&found| found < count).ok_or(MeshFault::NoSuchVertex { index, vertices: count })
 }
 
-fn vector<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<DVec3, MeshFault> {
+fn vector<'a>(line: &str, mut words: impl Iterator<Item = (usize, &'a str)>) -> Result<DVec3, Fault> {
     let mut vector = DVec3::ZERO;
     for axis in 0..3 {
-        let word = words.next().ok_or_else(|| MeshFault::Syntax("three coordinates are needed".into()))?;
-        vector[axis] = word.parse().map_err(|_| MeshFault::Syntax(format!("\"{word}\" is not a number")))?;
+        let missing = || (line.trim_end().len(), MeshFault::Syntax("three coordinates are needed".into()));
+        let (byte, word) = words.next().ok_or_else(missing)?;
+        let wrong = |_| (byte, MeshFault::Syntax(format!("\"{word}\" is not a number")));
+        vector[axis] = word.parse().map_err(wrong)?;
+        if !vector[axis].is_finite() {
+            return Err((byte, MeshFault::NotFinite));
+        }
     }
-    if vector.is_finite() { Ok(vector) } else { Err(MeshFault::NotFinite) }
+    Ok(vector)
 }

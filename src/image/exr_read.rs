@@ -3,9 +3,11 @@
 use super::exr_file::{FACTS_ATTRIBUTE, RESPONSES_ATTRIBUTE};
 use crate::camera::{CameraRecord, FLAT_FIELD_CHANNEL, Planes, Responses, Sensor};
 use crate::error::{Error, Result};
+use crate::input;
 use exr::meta::MetaData;
 use exr::prelude::*;
 use serde::Deserialize;
+use std::io::Cursor;
 use std::path::Path;
 
 /// What developing needs of a render.
@@ -30,18 +32,28 @@ struct KnownFacts {
 
 const REMEDY: &str = "give an EXR written by `etalon render`";
 
+/// Larger files are refused before they are read.
+const MOST_BYTES: u64 = 16 << 30;
+
+/// Bytes of pixels that one byte of a file can stand for at most: what deflate reaches, with
+/// room for other methods. A header that announces more is wrong, whatever follows it.
+const MOST_INFLATION: u64 = 1100;
+
 /// Reads a render; an error names the file and what it lacks.
 pub fn read_exr(path: &Path) -> Result<Rendered> {
-    std::fs::File::open(path).map_err(|e| Error::io(path, "read the render", &e))?;
-    read_checked(path).map_err(|e| e.in_file(path))
+    let bytes = input::read_bytes(path, MOST_BYTES).map_err(|e| Error::io(path, "read the render", &e))?;
+    parse_exr(&bytes).map_err(|e| e.in_file(path))
 }
 
-fn read_checked(path: &Path) -> Result<Rendered> {
-    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
-    let image = reader.all_attributes().from_file(path).map_err(|e| {
+/// Reads a render's bytes. What is held is at most a few times [`MOST_INFLATION`] times as much.
+pub fn parse_exr(bytes: &[u8]) -> Result<Rendered> {
+    let undecodable = |e: &exr::error::Error| {
         let what = e.to_string().to_lowercase();
         Error::new(format!("cannot be decoded ({what})")).hint(REMEDY)
-    })?;
+    };
+    check_size(bytes, &undecodable)?;
+    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
+    let image = reader.all_attributes().from_buffered(Cursor::new(bytes)).map_err(|e| undecodable(&e))?;
     let layer = &image.layer_data;
     let text = |name: &str| match layer.attributes.other.get(&Text::from(name)) {
         Some(AttributeValue::Text(text)) => Some(text.to_string()),
@@ -74,6 +86,25 @@ fn read_checked(path: &Path) -> Result<Rendered> {
     let size = [layer.size.width(), layer.size.height()].map(|side| side as u64);
     check(&camera, &responses, size)?;
     Ok(Rendered { scene, camera: camera.settled(), responses, planes })
+}
+
+/// Refuses a file whose header announces more pixels than it can hold.
+fn check_size(bytes: &[u8], undecodable: &dyn Fn(&exr::error::Error) -> Error) -> Result<()> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| undecodable(&e))?;
+    let room = (bytes.len() as u64).saturating_mul(MOST_INFLATION);
+    for header in &meta.headers {
+        let [width, height] = [header.layer_size.width(), header.layer_size.height()].map(|side| side as u64);
+        let bytes_per_pixel: u64 =
+            header.channels.list.iter().map(|channel| channel.sample_type.bytes_per_sample() as u64).sum();
+        if width.saturating_mul(height).saturating_mul(bytes_per_pixel) > room {
+            return Err(Error::new(format!(
+                "its header announces {width} x {height} pixels, more than its {} bytes can hold",
+                bytes.len()
+            ))
+            .hint("the file is cut short or its header wrong; write it anew"));
+        }
+    }
+    Ok(())
 }
 
 fn of_json<'de, T: Deserialize<'de>>(json: &'de str, attribute: &str) -> Result<T> {
@@ -161,13 +192,18 @@ pub fn read_levels(path: &Path, bytes: &[u8]) -> Result<([u32; 2], Vec<f32>)> {
         Error::new(format!("cannot be decoded ({what})")).hint("give an EXR, PNG or TIFF, linear in light")
     };
     if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
-        let picture = image::load_from_memory(bytes).map_err(|e| undecodable(&e))?.into_luma16();
+        let mut reader =
+            image::ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| undecodable(&e))?;
+        let mut limits = image::Limits::default();
+        limits.max_alloc = Some((bytes.len() as u64).saturating_mul(MOST_INFLATION));
+        reader.limits(limits);
+        let picture = reader.decode().map_err(|e| undecodable(&e))?.into_luma16();
         let values = picture.as_raw().iter().map(|level| f32::from(*level)).collect();
         return Ok(([picture.width(), picture.height()], values));
     }
+    check_size(bytes, &|e| undecodable(e))?;
     let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
-    let picture =
-        reader.all_attributes().from_buffered(std::io::Cursor::new(bytes)).map_err(|e| undecodable(&e))?;
+    let picture = reader.all_attributes().from_buffered(Cursor::new(bytes)).map_err(|e| undecodable(&e))?;
     let channels = &picture.layer_data.channel_data.list;
     let named = |name: &str| channels.iter().find(|channel| channel.name == *name);
     let Some(channel) = named("Y").or_else(|| named("G")) else {

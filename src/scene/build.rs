@@ -3,13 +3,12 @@
 use super::file::{LengthUnit, MaterialFile, SceneFile};
 use super::objects::Stage;
 use super::spectra::Spectra;
-use super::{Scene, view};
+use super::{Files, Scene, view};
 use crate::camera::Sensor;
 use crate::error::{Error, Result};
 use crate::material::Material;
 use crate::spectrum::RefractiveIndex;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 impl LengthUnit {
     /// Metres in one unit, as a ratio: division by a thousand rounds once, multiplication by
@@ -24,10 +23,10 @@ impl LengthUnit {
 }
 
 /// Resolves a parsed scene.
-pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene> {
-    let mut spectra = Spectra::new(folder, &file.spectra);
+pub(super) fn build(text: &str, file: &SceneFile, files: &Files<'_>) -> Result<Scene> {
+    let mut spectra = Spectra::new(files, &file.spectra);
     check_own_spectra(file, &spectra)?;
-    let mut stage = Stage::new(file.length_unit, folder);
+    let mut stage = Stage::new(file.length_unit, files);
     stage.place_objects(&file.objects, &file.materials)?;
     let stage = stage.build()?;
     let metres_per_unit = stage.geometry.metres_per_unit();
@@ -41,6 +40,7 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
         Some(camera) => Some(view::build(camera, &stage, &mut spectra).map_err(|e| e.under("camera"))?),
         None => None,
     };
+    stage.notes.iter().for_each(|note| spectra.note(note.clone()));
     let dropped = stage.geometry.degenerate_triangles();
     if dropped > 0 {
         spectra.note(format!("{dropped} triangles without area were left out"));
@@ -50,7 +50,7 @@ pub(super) fn build(text: &str, file: &SceneFile, folder: &Path) -> Result<Scene
     let sensor = view.as_ref().map_or_else(Sensor::cie, |view| view.sensor.clone());
     let mut hash = Fnv::default();
     hash.add(text.as_bytes());
-    spectra.files_read.iter().for_each(|(_, text)| hash.add(text.as_bytes()));
+    spectra.files_read.iter().for_each(|bytes| hash.add(bytes));
     stage.mesh_bytes.iter().for_each(|bytes| hash.add(bytes));
     Ok(Scene {
         name: file.name.clone(),

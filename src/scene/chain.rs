@@ -3,6 +3,7 @@
 use super::file::{
     CameraFile, DetectorFile, ElectronicsFile, SensorDescription, SensorFile, SpectrumFile, VignettingFile,
 };
+use super::files::{Files, Kind};
 use super::spectra::Spectra;
 use super::view::positive;
 use crate::camera::{
@@ -187,7 +188,8 @@ pub fn white_named(name: &str) -> Result<(LampSpectrum, Xyz)> {
             .hint("name an illuminant, such as \"d65\""));
     }
     let none = BTreeMap::new();
-    let light = Spectra::new(Path::new("."), &none).emission(&SpectrumFile::Name(name.to_owned()))?;
+    let files = Files::in_folder(Path::new("."));
+    let light = Spectra::new(&files, &none).emission(&SpectrumFile::Name(name.to_owned()))?;
     let xyz = visible(&light)?;
     Ok((light, xyz))
 }
@@ -225,11 +227,11 @@ fn vignetting(
         }
         VignettingFile::FlatField { file } => {
             let at = |e: Error| e.under("file").under("flat_field");
-            let path = spectra.path_of(file);
-            let bytes = std::fs::read(&path).map_err(|e| at(Error::named_file(file, &e)))?;
-            let (size, levels) = read_levels(&path, &bytes).map_err(|e| at(e.in_file(&path)))?;
-            spectra.note_file(path.clone(), &bytes);
-            let field = FlatField::new(size, levels, half_extent).map_err(|e| at(e.in_file(&path)))?;
+            let (path, bytes) = spectra.read_file(file, Kind::Picture).map_err(at)?;
+            // A picture has no lines: its faults stand where the scene names it.
+            let named = |e: Error| at(Error { message: format!("\"{file}\": {}", e.message), ..e });
+            let (size, levels) = read_levels(&path, &bytes).map_err(named)?;
+            let field = FlatField::new(size, levels, half_extent).map_err(named)?;
             let channel = FLAT_FIELD_CHANNEL.to_owned();
             Ok((Vignetting::FlatField { file: file.clone(), channel }, Some(field)))
         }

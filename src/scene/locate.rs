@@ -1,6 +1,7 @@
 //! Where in a scene's text an entry stands: from a JSON pointer to line and column.
 
 use crate::error::pointer_segment;
+use crate::input::line_and_column;
 use jsonc_parser::ast::{ObjectProp, Value};
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
@@ -34,32 +35,38 @@ pub fn locate(text: &str, pointer: &str) -> Option<(usize, usize)> {
 /// JSON allows it, we do not.
 pub fn duplicate_key(text: &str) -> Option<Repeated> {
     let parsed = parse_to_ast(text, &CollectOptions::default(), &ParseOptions::default()).ok()?;
-    let mut waiting: Vec<(&Value<'_>, String)> =
-        parsed.value.iter().map(|value| (value, String::new())).collect();
-    while let Some((value, pointer)) = waiting.pop() {
-        match value {
-            Value::Object(object) => {
-                let mut seen = std::collections::HashSet::new();
-                for property in &object.properties {
-                    let name = name_of(property);
-                    if !seen.insert(name) {
-                        let place = line_and_column(text, property.start());
-                        return Some(Repeated { key: name.to_owned(), pointer, place });
-                    }
-                    waiting.push((&property.value, format!("{pointer}/{}", pointer_segment(name))));
-                }
+    let mut path = Vec::new();
+    let (key, byte) = repeated_in(parsed.value.as_ref()?, &mut path)?;
+    let pointer = path.iter().rev().map(|segment| format!("/{segment}")).collect();
+    Some(Repeated { key: key.to_owned(), pointer, place: line_and_column(text, byte) })
+}
+
+/// A repeated key and where it stands; `path` gets the segments that lead to its object, the
+/// innermost first.
+///
+/// They are written only once it is found: where names are long, the pointers of all entries
+/// would be many times as long as the file.
+fn repeated_in<'a>(value: &'a Value<'_>, path: &mut Vec<String>) -> Option<(&'a str, usize)> {
+    match value {
+        Value::Object(object) => {
+            let mut seen = std::collections::HashSet::new();
+            if let Some(property) = object.properties.iter().find(|property| !seen.insert(name_of(property)))
+            {
+                return Some((name_of(property), property.start()));
             }
-            Value::Array(array) => {
-                // A mesh has millions of numbers, and no keys in them.
-                let inside = array.elements.iter().enumerate();
-                let inside =
-                    inside.filter(|(_, element)| matches!(element, Value::Object(_) | Value::Array(_)));
-                waiting.extend(inside.map(|(index, element)| (element, format!("{pointer}/{index}"))));
-            }
-            _ => {}
+            object.properties.iter().find_map(|property| {
+                let found = repeated_in(&property.value, path)?;
+                path.push(pointer_segment(name_of(property)));
+                Some(found)
+            })
         }
+        Value::Array(array) => array.elements.iter().enumerate().find_map(|(index, element)| {
+            let found = repeated_in(element, path)?;
+            path.push(index.to_string());
+            Some(found)
+        }),
+        _ => None,
     }
-    None
 }
 
 /// A key that stands twice in one object.
@@ -75,12 +82,6 @@ pub struct Repeated {
 
 fn name_of<'a>(property: &'a ObjectProp<'_>) -> &'a str {
     property.name.as_str()
-}
-
-fn line_and_column(text: &str, byte: usize) -> (usize, usize) {
-    let before = &text[..byte];
-    let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ pub mod conditions;
 pub mod file;
 mod file_camera;
 mod file_spectrum;
+mod files;
 mod locate;
 mod objects;
 mod plan;
@@ -18,6 +19,7 @@ mod view;
 
 pub use chain::{Chain, check_white, equal_energy, white_named};
 pub use closure::{Closure, closure};
+pub use files::Files;
 pub use plan::Plan;
 pub use reach::{Unreachable, unreachable, unreachable_by_instrument};
 pub use view::CameraFacts;
@@ -128,8 +130,13 @@ impl Scene {
 
     /// Resolves a scene from its text; paths in it are relative to `folder`.
     pub fn from_text(text: &str, folder: &Path) -> Result<Self> {
+        Self::from_files(text, &Files::in_folder(folder))
+    }
+
+    /// Resolves a scene from its text, with the files that it may name.
+    pub fn from_files(text: &str, files: &Files<'_>) -> Result<Self> {
         let parsed = read::parse(text)?;
-        build::build(text, &parsed, folder).map_err(|e| read::place(text, e))
+        build::build(text, &parsed, files).map_err(|e| read::place(text, e))
     }
 
     /// The materials that objects are made of.

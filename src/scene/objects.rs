@@ -4,12 +4,12 @@ use super::file::{
     BandFile, DistributionFile, EmissionFile, LengthUnit, LightFile, MaterialFile, MeterFile, ObjectFile,
     SceneFile, ShapeFile, TransformFile, Vector,
 };
+use super::files::{Files, Kind};
 use super::spectra::Spectra;
 use super::{Meter, MeterKind, SceneObject};
 use crate::error::{Error, Result};
 use crate::geometry::{
-    Geometry, GeometryBuilder, Mesh, MeshFault, MeshFileError, Primitive, Shape, ShapeError, SurfacePoint,
-    Transform,
+    Geometry, GeometryBuilder, Mesh, MeshFileError, Primitive, Shape, ShapeError, SurfacePoint, Transform,
 };
 use crate::light::power::{self, EmitterShape};
 use crate::light::{AreaLight, Distribution, EmitterFacts, Light, Lights, PointLight, Profile};
@@ -17,6 +17,7 @@ use crate::spectrum::Emission;
 use glam::{DVec3, Vec3A};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::rc::Rc;
 
 /// The largest length in metres: transport's numbers have 32 bits.
 const FARTHEST_M: f64 = f32::MAX as f64;
@@ -24,9 +25,10 @@ const FARTHEST_M: f64 = f32::MAX as f64;
 /// Geometry while it is being put up.
 pub(super) struct Stage<'a> {
     unit: LengthUnit,
-    folder: &'a Path,
+    files: &'a Files<'a>,
     builder: GeometryBuilder,
-    mesh_bytes: Vec<Vec<u8>>,
+    mesh_bytes: Vec<Rc<Vec<u8>>>,
+    notes: Vec<String>,
 }
 
 /// Geometry that stands, and the way from the file's lengths to its own.
@@ -34,12 +36,14 @@ pub(super) struct Built {
     unit: LengthUnit,
     pub geometry: Geometry,
     /// The mesh files read, for the scene's hash.
-    pub mesh_bytes: Vec<Vec<u8>>,
+    pub mesh_bytes: Vec<Rc<Vec<u8>>>,
+    /// Remarks for the report.
+    pub notes: Vec<String>,
 }
 
 impl<'a> Stage<'a> {
-    pub fn new(unit: LengthUnit, folder: &'a Path) -> Self {
-        Self { unit, folder, builder: GeometryBuilder::new(), mesh_bytes: Vec::new() }
+    pub fn new(unit: LengthUnit, files: &'a Files<'a>) -> Self {
+        Self { unit, files, builder: GeometryBuilder::new(), mesh_bytes: Vec::new(), notes: Vec::new() }
     }
 
     /// Adds all objects; checks that their materials exist.
@@ -56,6 +60,9 @@ impl<'a> Stage<'a> {
             }
             let kind = object.shape.key();
             let shape = self.shape(&object.shape).map_err(|e| at(e.under(kind).under("shape")))?;
+            if let Shape::Mesh(mesh) = &shape {
+                self.note_normals(index, object, mesh);
+            }
             let transform = self.transform(&object.transform).map_err(|e| at(e.under("transform")))?;
             let added = self.builder.add_object(&shape, &transform);
             added.map_err(|e| at(placed_shape_error(&e, &object.shape)))?;
@@ -69,7 +76,7 @@ impl<'a> Stage<'a> {
             ShapeError::Vanishes { object } => shape_error(&e).under("shape").under(object).under("objects"),
             _ => shape_error(&e).under("objects"),
         })?;
-        Ok(Built { unit: self.unit, geometry, mesh_bytes: self.mesh_bytes })
+        Ok(Built { unit: self.unit, geometry, mesh_bytes: self.mesh_bytes, notes: self.notes })
     }
 
     fn metres(&self, point: Vector) -> DVec3 {
@@ -140,16 +147,24 @@ impl<'a> Stage<'a> {
                 }
                 Shape::Box { min: self.point(*min, "min")?, max: self.point(*max, "max")? }
             }
-            ShapeFile::Mesh { vertices, normals, triangles } => Shape::Mesh(Mesh {
-                positions: self.points(vertices, "vertices")?,
-                normals: normals.iter().map(|n| DVec3::from_array(*n)).collect(),
-                triangles: triangles.clone(),
-            }),
+            ShapeFile::Mesh { vertices, normals, triangles } => {
+                if let Some(index) = normals.iter().position(|normal| *normal == [0.0; 3]) {
+                    return Err(Error::new("a normal of zero length points nowhere")
+                        .hint("give a direction, such as [0, 0, 1], or leave all normals out")
+                        .under(index)
+                        .under("normals"));
+                }
+                Shape::Mesh(Mesh {
+                    positions: self.points(vertices, "vertices")?,
+                    normals: normals.iter().map(|n| DVec3::from_array(*n)).collect(),
+                    triangles: triangles.clone(),
+                })
+            }
             ShapeFile::Ply { file } => {
-                self.mesh_file(file, crate::geometry::read_ply).map_err(|e| e.under("file"))?
+                self.mesh_file(file, crate::geometry::parse_ply).map_err(|e| e.under("file"))?
             }
             ShapeFile::Obj { file } => {
-                self.mesh_file(file, crate::geometry::read_obj).map_err(|e| e.under("file"))?
+                self.mesh_file(file, crate::geometry::parse_obj).map_err(|e| e.under("file"))?
             }
         })
     }
@@ -158,24 +173,43 @@ impl<'a> Stage<'a> {
     fn mesh_file(
         &mut self,
         file: &str,
-        read: impl Fn(&Path) -> std::result::Result<Mesh, MeshFileError>,
+        parse: impl Fn(&Path, &[u8]) -> std::result::Result<Mesh, MeshFileError>,
     ) -> Result<Shape> {
-        let path = self.folder.join(file);
-        let fault = |what: String| Error::new(what).hint("check the mesh, or write it anew").in_file(&path);
-        let mut mesh = read(&path).map_err(|error| match (error.what, error.line) {
-            (MeshFault::Io(source), _) => Error::named_file(file, &source),
-            (what, Some(line)) => fault(what.to_string()).at(line, Some(1)),
-            (what, None) => fault(what.to_string()),
+        let bytes = self.files.read(file, Kind::Mesh)?;
+        let path = self.files.path_of(file);
+        let mut mesh = parse(&path, &bytes).map_err(|fault| {
+            let error = Error::new(fault.what.to_string()).hint(fault.what.remedy()).in_file(&path);
+            match fault.line {
+                Some(line) => error.at(line, fault.column),
+                None => error,
+            }
         })?;
-        self.mesh_bytes.push(std::fs::read(&path).unwrap_or_default());
+        self.mesh_bytes.push(bytes);
         for position in &mut mesh.positions {
             let largest = position.abs().max_element();
             *position = self.metres(position.to_array());
             if position.abs().max_element() > FARTHEST_M {
-                return Err(too_far(largest).in_file(&path));
+                let fault = too_far(largest);
+                return Err(Error { message: format!("\"{file}\": {}", fault.message), ..fault });
             }
         }
         Ok(Shape::Mesh(mesh))
+    }
+
+    /// Says how many normals of a mesh count by their direction alone. A zero one, which stands
+    /// for a corner that an OBJ file gives none, is no normal.
+    fn note_normals(&mut self, index: usize, object: &ObjectFile, mesh: &Mesh) {
+        /// What rounding to three decimals leaves.
+        const SLACK: f64 = 2e-3;
+        let off = |normal: &&DVec3| **normal != DVec3::ZERO && (normal.length() - 1.0).abs() > SLACK;
+        let count = mesh.normals.iter().filter(off).count();
+        if count > 0 {
+            let name = name_of(index, object);
+            self.notes.push(format!(
+                "{count} of {} normals of {name} are not of unit length; their directions are taken",
+                mesh.normals.len()
+            ));
+        }
     }
 
     fn transform(&self, list: &[TransformFile]) -> Result<Transform> {
@@ -280,13 +314,18 @@ fn placed_shape_error(error: &ShapeError, shape: &ShapeFile) -> Error {
     }
 }
 
+/// What an object is called in messages and reports.
+fn name_of(index: usize, object: &ObjectFile) -> String {
+    if object.name.is_empty() { format!("object {index}") } else { object.name.clone() }
+}
+
 /// Names and materials of all objects.
 pub(super) fn describe(objects: &[ObjectFile], materials: &BTreeMap<&str, u32>) -> Vec<SceneObject> {
     objects
         .iter()
         .enumerate()
         .map(|(index, object)| SceneObject {
-            name: if object.name.is_empty() { format!("object {index}") } else { object.name.clone() },
+            name: name_of(index, object),
             material: materials[object.material.as_str()],
             light: None,
         })

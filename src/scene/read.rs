@@ -3,21 +3,22 @@
 use super::file::SceneFile;
 use super::locate::{Repeated, duplicate_key, locate};
 use crate::error::{Error, Result, pointer_segment};
+use crate::input;
 use std::path::Path;
 
 /// Larger scene files are refused before they are read; meshes belong in PLY or OBJ files.
-const MOST_BYTES: u64 = 256 << 20;
+const MOST_BYTES: u64 = 64 << 20;
 
 /// Reads a scene file's text.
 pub fn read_text(file: &Path) -> Result<String> {
-    let failed = |e: &std::io::Error| Error::io(file, "read the scene", e);
-    let bytes = std::fs::metadata(file).map_err(|e| failed(&e))?.len();
-    if bytes > MOST_BYTES {
-        return Err(Error::new(format!("the scene file has {} MiB", bytes >> 20))
-            .hint("move meshes into PLY files that the scene names")
-            .in_file(file));
-    }
-    std::fs::read_to_string(file).map_err(|e| failed(&e))
+    let bytes = input::read_bytes_or_pipe(file, MOST_BYTES).map_err(|e| {
+        let fault = Error::io(file, "read the scene", &e);
+        match e.kind() {
+            std::io::ErrorKind::FileTooLarge => fault.hint("move meshes into PLY files that the scene names"),
+            _ => fault,
+        }
+    })?;
+    Ok(input::text_of(&bytes).map_err(|e| e.in_file(file))?.to_owned())
 }
 
 /// Parses a scene's text; errors carry line, column and pointer, but not yet the file.
@@ -76,7 +77,7 @@ fn explain(text: &str, pointer: &str, error: &serde_json::Error) -> Error {
         if error.line() > 0 { whole.rsplit_once(" at line ").map_or(&*whole, |(m, _)| m) } else { &whole };
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     if let Some((wrong, known)) = quoted.split_first().filter(|_| message.starts_with("unknown ")) {
-        return unknown(text, pointer, wrong, known);
+        return unknown(text, pointer, (wrong, known), error);
     }
     if let Some(repeated) = duplicate_key(text).filter(|_| message.starts_with("duplicate field")) {
         return twice(&repeated);
@@ -84,6 +85,10 @@ fn explain(text: &str, pointer: &str, error: &serde_json::Error) -> Error {
     let fault = if message.starts_with("missing field") {
         let key = quoted.first().copied().unwrap_or_default();
         Error::new(format!("the key \"{key}\" is missing")).hint("add it; `etalon schema` lists all keys")
+    } else if message == "recursion limit exceeded" {
+        let fault = Error::new("lists or objects stand more than 127 deep in one another")
+            .hint("check brackets; no part of a scene is that deep");
+        return at_pointer(fault, pointer).at(error.line(), Some(column_in_characters(text, error)));
     } else if message == "number out of range" {
         Error::new("a number is too large to be held").hint("write a number below 1e308; check its unit")
     } else if !(error.is_syntax() || error.is_eof()) {
@@ -97,9 +102,9 @@ fn explain(text: &str, pointer: &str, error: &serde_json::Error) -> Error {
         }
         .hint("`etalon schema` describes what belongs here")
     } else {
-        let fault = Error::new(format!("not valid JSON: {message}"))
-            .hint("check commas, quotes and brackets just before this place");
-        return at_pointer(fault, pointer).at(error.line(), Some(column_in_characters(text, error)));
+        let (line, column) = (error.line(), column_in_characters(text, error));
+        let fault = Error::new(format!("not valid JSON: {message}")).hint(remedy(text, line, column));
+        return at_pointer(fault, pointer).at(line, Some(column));
     };
     let placed = place(text, at_pointer(fault, pointer));
     match placed.line {
@@ -109,8 +114,23 @@ fn explain(text: &str, pointer: &str, error: &serde_json::Error) -> Error {
     }
 }
 
+/// What to do about text that is not JSON, by what stands at the fault.
+fn remedy(text: &str, line: usize, column: usize) -> &'static str {
+    let line = text.split('\n').nth(line.saturating_sub(1)).unwrap_or_default();
+    let at = line.char_indices().nth(column.saturating_sub(1)).map_or(line.len(), |(at, _)| at);
+    let rest = line[at..].trim_start();
+    let starts = |marks: &[&str]| marks.iter().any(|mark| rest.starts_with(mark));
+    if starts(&["//", "/*", "#"]) {
+        "JSON has no comments; write a \"description\", or leave them out"
+    } else if starts(&["NaN", "nan", "Inf", "inf", "-Inf", "-inf", "-nan"]) {
+        "write a finite number; JSON knows no others"
+    } else {
+        "check commas, quotes and brackets just before this place"
+    }
+}
+
 /// An unknown key, kind or value, with a suggestion.
-fn unknown(text: &str, pointer: &str, wrong: &str, known: &[&str]) -> Error {
+fn unknown(text: &str, pointer: &str, (wrong, known): (&str, &[&str]), error: &serde_json::Error) -> Error {
     let segment = pointer_segment(wrong);
     let parent = pointer.strip_suffix(&format!("/{segment}")).unwrap_or(pointer);
     let whole: Option<serde_json::Value> = serde_json::from_str(text).ok();
@@ -119,9 +139,12 @@ fn unknown(text: &str, pointer: &str, wrong: &str, known: &[&str]) -> Error {
         _ => "key",
     };
     let mut fault = Error::unknown_name(what, wrong, known.iter().copied());
-    if let Some((line, column)) = locate(text, &format!("{parent}/{segment}")) {
-        fault = fault.at(line, Some(column));
-    }
+    let (line, column) = locate(text, &format!("{parent}/{segment}")).unwrap_or_else(|| {
+        // The text is not JSON farther on; serde stands behind the word and its quotes.
+        let behind = column_in_characters(text, error);
+        (error.line(), behind.saturating_sub(wrong.chars().count() + 1).max(1))
+    });
+    fault = fault.at(line, Some(column));
     at_pointer(fault, parent)
 }
 
@@ -151,6 +174,9 @@ fn plain_words(message: &str) -> String {
     };
     let expected = match expected {
         "f64" => "a number",
+        "u32" if found.rsplit(' ').next().is_some_and(|n| n.parse::<u64>().is_ok()) => {
+            "a whole number below 4294967296"
+        }
         "u32" => "a whole number from 0 up",
         "a sequence" => "a list",
         "a map" => "an object",

@@ -1,15 +1,18 @@
 //! Names, files and formulas of a scene's spectra, resolved to curves.
 
 use super::file::{IndexDescription, IndexFile, LineFile, MetalFile, SpectrumDescription, SpectrumFile};
+use super::files::{Files, Kind};
 use crate::camera::Sensor;
 use crate::error::{Error, Result};
+use crate::input;
 use crate::spectrum::library::{self, Purpose};
 use crate::spectrum::{
     CsvTable, Curve, Dense, FIRST_NM, LAST_NM, LampSpectrum, Line, Outside, RefractiveIndex, Table, grid_nm,
 };
 use crate::units::Kelvin;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::rc::Rc;
 
 /// Spectra may name one another, through at most this many names and factors.
 const DEEPEST: usize = 32;
@@ -19,14 +22,14 @@ const LARGEST: f64 = f32::MAX as f64;
 
 /// Resolves what a scene says about spectra, and notes what a user should know.
 pub(super) struct Spectra<'a> {
-    folder: &'a Path,
+    files: &'a Files<'a>,
     own: &'a BTreeMap<String, SpectrumFile>,
     /// Remarks for the report.
     notes: Vec<String>,
     /// Where spectra end within the wavelengths that transport considers.
     gaps: Vec<Gap>,
-    /// Text of the files that were read, for the scene's hash.
-    pub files_read: Vec<(PathBuf, String)>,
+    /// The files that were read, as often as they are named, for the scene's hash.
+    pub files_read: Vec<Rc<Vec<u8>>>,
 }
 
 /// Spectra that are known over part of the grid, and what holds beyond.
@@ -37,8 +40,8 @@ struct Gap {
 }
 
 impl<'a> Spectra<'a> {
-    pub fn new(folder: &'a Path, own: &'a BTreeMap<String, SpectrumFile>) -> Self {
-        Self { folder, own, notes: Vec::new(), gaps: Vec::new(), files_read: Vec::new() }
+    pub fn new(files: &'a Files<'a>, own: &'a BTreeMap<String, SpectrumFile>) -> Self {
+        Self { files, own, notes: Vec::new(), gaps: Vec::new(), files_read: Vec::new() }
     }
 
     /// Something that surfaces and media have: a curve without lines.
@@ -66,19 +69,22 @@ impl<'a> Spectra<'a> {
 
     /// Reads a spectrum for its faults alone.
     fn check(&self, spectrum: &SpectrumFile) -> Result<()> {
-        Self::new(self.folder, self.own).light(spectrum, Purpose::Emission).map(|_| ())
+        Self::new(self.files, self.own).light(spectrum, Purpose::Emission).map(|_| ())
     }
 
     /// A transmission: 0 to 1 everywhere.
     pub fn transmission(&mut self, spectrum: &SpectrumFile) -> Result<Curve> {
         let curve = self.curve(spectrum)?;
-        check_extremes(&curve, "a transmission", f64::MAX)?;
+        let place = |fault| self.pointed(spectrum, fault, &|value| !(0.0..=1.0).contains(&value));
+        check_extremes(&curve, "a transmission", f64::MAX).map_err(place)?;
         let (_, high) = curve.extremes();
         if high <= 1.0 {
             return Ok(curve);
         }
-        Err(Error::new(format!("a transmission of {high} is above 1"))
-            .hint("a transmission lies between 0 and 1; use \"factor\": 0.01 for a table in per cent"))
+        Err(place(
+            Error::new(format!("a transmission of {} is above 1", short(high)))
+                .hint("a transmission lies between 0 and 1; use \"factor\": 0.01 for a table in per cent"),
+        ))
     }
 
     /// A detector's response: not negative, zero outside a table.
@@ -93,13 +99,15 @@ impl<'a> Spectra<'a> {
         let curve = self.curve(spectrum)?;
         let (low, high) = curve.extremes();
         if low < 0.0 {
-            return Err(Error::new(format!("a reflectance of {low} is negative")).hint(
+            let fault = Error::new(format!("a reflectance of {} is negative", short(low))).hint(
                 "a reflectance lies between 0 and 1; measured noise below zero is clipped in the table",
-            ));
+            );
+            return Err(self.pointed(spectrum, fault, &|value| value == low));
         }
         if high.is_nan() || high > 1.0 {
-            return Err(Error::new(format!("a reflectance of {high} is above 1"))
-                .hint("a reflectance lies between 0 and 1; use \"factor\": 0.01 for a table in per cent"));
+            let fault = Error::new(format!("a reflectance of {} is above 1", short(high)))
+                .hint("a reflectance lies between 0 and 1; use \"factor\": 0.01 for a table in per cent");
+            return Err(self.pointed(spectrum, fault, &|value| value == high));
         }
         Ok(Dense::from_fn(|nm| curve.at(nm)))
     }
@@ -107,14 +115,61 @@ impl<'a> Spectra<'a> {
     /// Something that is not negative: an absorption coefficient, part of a metal's index.
     pub fn not_negative(&mut self, spectrum: &SpectrumFile, what: &str) -> Result<Dense> {
         let curve = self.curve(spectrum)?;
-        check_extremes(&curve, what, LARGEST)?;
+        check_extremes(&curve, what, LARGEST)
+            .map_err(|fault| self.pointed(spectrum, fault, &|value| !(0.0..=LARGEST).contains(&value)))?;
         Ok(Dense::from_fn(|nm| curve.at(nm)))
+    }
+
+    /// Leads a fault to the number at fault, which `bad` knows: in the CSV file, or in the table
+    /// that is written out where the fault is. The table of another name stays unnamed: only the
+    /// entry that asked for it is known to be wrong.
+    fn pointed(&self, spectrum: &SpectrumFile, fault: Error, bad: &dyn Fn(f64) -> bool) -> Error {
+        match spectrum {
+            SpectrumFile::Name(name) => match self.own.get(name) {
+                Some(own) => Error { pointer: None, ..self.pointed(own, fault, bad) },
+                None => fault,
+            },
+            SpectrumFile::Described(SpectrumDescription::Table { values, .. }) => {
+                match values.iter().position(|value| bad(*value)) {
+                    Some(index) => fault.under(index).under("values").under("table"),
+                    None => fault,
+                }
+            }
+            SpectrumFile::Described(SpectrumDescription::Scaled { spectrum, factor }) => {
+                let inner = self.pointed(spectrum, fault, &|value| bad(value * factor));
+                match inner.pointer {
+                    Some(_) => inner.under("spectrum").under("scaled"),
+                    None => inner,
+                }
+            }
+            SpectrumFile::Described(SpectrumDescription::Csv { file, column, factor }) => {
+                match self.place_in_csv(file, column.as_deref(), &|value| bad(value * factor)) {
+                    Some((line, column)) => fault.in_file(&self.files.path_of(file)).at(line, Some(column)),
+                    None => fault,
+                }
+            }
+            SpectrumFile::Value(_) | SpectrumFile::Described(_) => fault,
+        }
+    }
+
+    fn place_in_csv(
+        &self,
+        file: &str,
+        column: Option<&str>,
+        bad: &dyn Fn(f64) -> bool,
+    ) -> Option<(usize, usize)> {
+        let bytes = self.files.read(file, Kind::Table).ok()?;
+        let text = input::text_of(&bytes).ok()?;
+        let table = CsvTable::parse(text).ok()?;
+        let column = column.or_else(|| table.columns.get(1).map(String::as_str))?;
+        table.place_of(text, column, bad)
     }
 
     /// The shape of an emission: not negative.
     pub fn emission(&mut self, spectrum: &SpectrumFile) -> Result<LampSpectrum> {
         let light = self.light(spectrum, Purpose::Emission)?;
-        check_extremes(light.continuum(), "an emission", f64::MAX)?;
+        check_extremes(light.continuum(), "an emission", f64::MAX)
+            .map_err(|fault| self.pointed(spectrum, fault, &|value| !(0.0..=f64::MAX).contains(&value)))?;
         for Line { nm, power } in light.lines() {
             check_extremes(&Curve::Constant(*power), "an emission", f64::MAX)?;
             if !(FIRST_NM..=LAST_NM).contains(nm) {
@@ -361,22 +416,17 @@ impl<'a> Spectra<'a> {
         library::light(&library::table(name)?, None, purpose)
     }
 
-    /// Notes the bytes of a file that the scene names, for its hash.
-    pub fn note_file(&mut self, path: PathBuf, bytes: &[u8]) {
-        self.files_read.push((path, bytes.iter().map(|byte| char::from(*byte)).collect()));
-    }
-
-    /// Where a file lies that the scene names.
-    pub fn path_of(&self, file: &str) -> PathBuf {
-        self.folder.join(file)
+    /// Reads a file that the scene names, and where it lies.
+    pub fn read_file(&mut self, file: &str, kind: Kind) -> Result<(PathBuf, Rc<Vec<u8>>)> {
+        let bytes = self.files.read(file, kind)?;
+        self.files_read.push(Rc::clone(&bytes));
+        Ok((self.files.path_of(file), bytes))
     }
 
     /// Reads a table; its own faults stand in its file, that it cannot be read in the scene.
     pub fn read_csv(&mut self, file: &str) -> Result<(PathBuf, CsvTable)> {
-        let path = self.folder.join(file);
-        let text = std::fs::read_to_string(&path).map_err(|e| Error::named_file(file, &e))?;
-        let table = CsvTable::parse(&text).map_err(|e| e.in_file(&path))?;
-        self.files_read.push((path.clone(), text));
+        let (path, bytes) = self.read_file(file, Kind::Table)?;
+        let table = input::text_of(&bytes).and_then(CsvTable::parse).map_err(|e| e.in_file(&path))?;
         Ok((path, table))
     }
 }
@@ -443,6 +493,11 @@ fn table_of(wavelengths_nm: &[f64], values: &[f64], values_key: &str, outside: O
         .under("wavelengths_nm"));
     }
     Table::new(wavelengths_nm.to_vec(), values.to_vec(), outside)
+}
+
+/// A number as it may have been written, without a row of zeros.
+fn short(value: f64) -> String {
+    if (1e-4..1e7).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// Whether all values of a curve lie between 0 and `largest`.

@@ -1,11 +1,11 @@
 //! Curve tables as text: `# key: value` lines, one header row, then numbers.
 //!
 //! The built-in tables of `spectra/` and the tables that a scene names have the same form.
-//! A fault gives line and column; nothing is guessed or repaired.
+//! A fault gives line and column; nothing is guessed or repaired. What is held is at most
+//! 64 times the text's size.
 
 use crate::error::{Error, Result};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// A table of numbers with named columns and what is known about it.
 #[derive(Clone, Debug)]
@@ -16,6 +16,8 @@ pub struct CsvTable {
     pub columns: Vec<String>,
     /// Row by row, each as long as `columns`; all finite.
     pub rows: Vec<Vec<f64>>,
+    /// The line of the header row, from 1.
+    header_line: usize,
     /// The line that each row stands in, from 1.
     lines: Vec<usize>,
 }
@@ -23,17 +25,22 @@ pub struct CsvTable {
 /// More rows than any measured curve has; a longer file is something else.
 const MOST_ROWS: usize = 100_000;
 
-impl CsvTable {
-    /// Reads a table from a file.
-    pub fn read(file: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(file).map_err(|e| Error::io(file, "read the table", &e))?;
-        Self::parse(&text).map_err(|e| e.in_file(file))
-    }
+/// More curves than any table has.
+const MOST_COLUMNS: usize = 1000;
 
+/// The name of a column of wavelengths, which is the first.
+const WAVELENGTHS: &str = "wavelength_nm";
+
+impl CsvTable {
     /// Reads a table from text; errors carry line and column.
     pub fn parse(text: &str) -> Result<Self> {
-        let mut table =
-            Self { facts: BTreeMap::new(), columns: Vec::new(), rows: Vec::new(), lines: Vec::new() };
+        let mut table = Self {
+            facts: BTreeMap::new(),
+            columns: Vec::new(),
+            rows: Vec::new(),
+            header_line: 1,
+            lines: Vec::new(),
+        };
         for (index, line) in text.lines().enumerate() {
             let line_number = index + 1;
             if let Some(comment) = line.trim_start().strip_prefix('#') {
@@ -43,15 +50,16 @@ impl CsvTable {
             } else if line.trim().is_empty() {
                 continue;
             } else if table.columns.is_empty() {
-                table.columns = line.split(',').map(|name| name.trim().to_owned()).collect();
-                table.check_header(line_number)?;
+                table.header_line = line_number;
+                table.read_header(line)?;
             } else {
                 table.push_row(line, line_number)?;
             }
         }
         if table.rows.is_empty() {
             return Err(Error::new("the table holds no numbers")
-                .hint("write a header row such as wavelength_nm,value and at least one row below it"));
+                .hint("write a header row such as wavelength_nm,value and at least one row below it")
+                .at(table.header_line, Some(1)));
         }
         Ok(table)
     }
@@ -67,9 +75,28 @@ impl CsvTable {
         self.lines[row]
     }
 
-    /// The first column, checked to rise strictly: the wavelengths in nm. An error carries
-    /// line and column.
+    /// The line of the header row, from 1.
+    pub const fn header_line(&self) -> usize {
+        self.header_line
+    }
+
+    /// Line and column of the first number of a column that is as `bad` says, in the text that
+    /// the table was read from.
+    pub fn place_of(&self, text: &str, column: &str, bad: impl Fn(f64) -> bool) -> Option<(usize, usize)> {
+        let index = self.columns.iter().position(|c| c == column)?;
+        let line_number = self.lines[self.rows.iter().position(|row| bad(row[index]))?];
+        let line = text.lines().nth(line_number - 1)?;
+        cells(line).nth(index).map(|(column, _)| (line_number, column))
+    }
+
+    /// The first column, checked to be called `wavelength_nm` and to rise strictly. An error
+    /// carries line and column.
     pub fn wavelengths_nm(&self) -> Result<Vec<f64>> {
+        if self.columns[0] != WAVELENGTHS {
+            return Err(Error::new(format!("the first column is \"{}\"", self.columns[0]))
+                .hint("write wavelengths in nanometres there and call it wavelength_nm")
+                .at(self.header_line, Some(1)));
+        }
         let wavelengths: Vec<f64> = self.rows.iter().map(|row| row[0]).collect();
         match wavelengths.windows(2).position(|pair| pair[1] <= pair[0]) {
             None => Ok(wavelengths),
@@ -83,43 +110,62 @@ impl CsvTable {
         }
     }
 
-    fn check_header(&self, line_number: usize) -> Result<()> {
-        if self.columns.len() < 2 {
-            return Err(Error::new("the table has a single column")
-                .hint("write wavelengths in the first column, values in the next, commas between them")
-                .at(line_number, Some(1)));
+    fn read_header(&mut self, line: &str) -> Result<()> {
+        let at = |fault: Error, column: usize| Err(fault.at(self.header_line, Some(column)));
+        for (index, (column, name)) in cells(line).enumerate() {
+            if name.parse::<f64>().is_ok() {
+                let fault = Error::new("the first row must name the columns");
+                return at(
+                    fault.hint("write a header row such as wavelength_nm,value above the numbers"),
+                    column,
+                );
+            }
+            if self.columns.iter().any(|earlier| earlier == name) {
+                return at(
+                    Error::new(format!("two columns are called \"{name}\"")).hint("rename one"),
+                    column,
+                );
+            }
+            if index == MOST_COLUMNS {
+                let fault = Error::new(format!("more than {MOST_COLUMNS} columns"));
+                return at(fault.hint("check that this is a table of curves"), column);
+            }
+            self.columns.push(name.to_owned());
         }
-        if self.columns.iter().all(|name| name.parse::<f64>().is_err()) {
+        if self.columns.len() >= 2 {
             return Ok(());
         }
-        Err(Error::new("the first row must name the columns")
-            .hint("write a header row such as wavelength_nm,value above the numbers")
-            .at(line_number, Some(1)))
+        match line.find([';', '\t']) {
+            Some(byte) => at(
+                Error::new("the columns are not separated by commas")
+                    .hint("write commas between columns, and decimals with a point"),
+                line[..byte].chars().count() + 1,
+            ),
+            None => at(
+                Error::new("the table has a single column")
+                    .hint("write wavelengths in the first column, values in the next, commas between them"),
+                1,
+            ),
+        }
     }
 
     fn push_row(&mut self, line: &str, line_number: usize) -> Result<()> {
         let mut row = Vec::with_capacity(self.columns.len());
-        let mut column = 1;
-        for cell in line.split(',') {
-            match cell.trim().parse::<f64>() {
+        for (column, cell) in cells(line).take(self.columns.len()) {
+            match cell.parse::<f64>() {
                 Ok(value) if value.is_finite() => row.push(value),
                 _ => {
-                    let blanks = cell.chars().take_while(|c| c.is_whitespace()).count();
-                    return Err(Error::new(format!("\"{}\" is not a finite number", cell.trim()))
+                    return Err(Error::new(format!("\"{cell}\" is not a finite number"))
                         .hint("write numbers with a decimal point, commas between columns")
-                        .at(line_number, Some(column + blanks)));
+                        .at(line_number, Some(column)));
                 }
             }
-            column += cell.chars().count() + 1;
         }
-        if row.len() != self.columns.len() {
-            return Err(Error::new(format!(
-                "the row has {} cells, the header {}",
-                row.len(),
-                self.columns.len()
-            ))
-            .hint("give every row one cell per column")
-            .at(line_number, Some(1)));
+        let found = cells(line).count();
+        if found != self.columns.len() {
+            return Err(Error::new(format!("the row has {found} cells, the header {}", self.columns.len()))
+                .hint("give every row one cell per column, and write decimals with a point")
+                .at(line_number, Some(1)));
         }
         if self.rows.len() == MOST_ROWS {
             return Err(Error::new(format!("more than {MOST_ROWS} rows"))
@@ -130,6 +176,17 @@ impl CsvTable {
         self.lines.push(line_number);
         Ok(())
     }
+}
+
+/// The cells of a line without the blanks around them, and the columns that they begin in.
+fn cells(line: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut next = 1;
+    line.split(',').map(move |cell| {
+        let blanks = cell.chars().take_while(|c| c.is_whitespace()).count();
+        let column = next + blanks;
+        next += cell.chars().count() + 1;
+        (column, cell.trim())
+    })
 }
 
 #[cfg(test)]

@@ -56,7 +56,7 @@ impl Table {
             return Err(Error::new("wavelengths do not rise").hint("sort the points by wavelength"));
         }
         if wavelengths_nm.iter().chain(&values).any(|v| !v.is_finite()) {
-            return Err(Error::new("the table holds a value that is not finite"));
+            return Err(Error::new("the table holds a value that is not finite").hint("write finite numbers"));
         }
         Ok(Self { wavelengths_nm, values, outside })
     }

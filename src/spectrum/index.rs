@@ -47,7 +47,8 @@ impl RefractiveIndex {
     /// (nd - 1) / (nF - nC); infinite `vd` means no dispersion.
     pub fn from_abbe(nd: f64, vd: f64) -> Result<Self> {
         if !(nd >= 1.0 && nd.is_finite()) {
-            return Err(Error::new(format!("the index nd = {nd} is not a number from 1 up")));
+            return Err(Error::new(format!("the index nd = {nd} is not a number from 1 up"))
+                .hint("for example 1.5168"));
         }
         if vd.is_nan() || vd <= 0.0 {
             return Err(Error::new(format!("the Abbe number {vd} is not positive"))

@@ -9,6 +9,9 @@ use super::curve::Curve;
 use super::wavelengths::{FIRST_NM, LAST_NM, grid_nm};
 use crate::error::{Error, Result};
 
+/// More lines than any lamp's table has; what is rendered picks one of them for each path.
+const MOST_LINES: usize = 10_000;
+
 /// A spectral line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
@@ -41,9 +44,14 @@ impl LampSpectrum {
                 Error::new("the list holds no line").hint("give at least one, or name the continuum alone")
             );
         }
+        if lines.len() > MOST_LINES {
+            return Err(Error::new(format!("{} lines, more than {MOST_LINES}", lines.len()))
+                .hint("leave out the faint ones, or write a continuum"));
+        }
+        let mut seen = std::collections::HashSet::new();
         for (index, line) in lines.iter().enumerate() {
             line.check().map_err(|e| e.under(index))?;
-            if lines[..index].iter().any(|earlier| earlier.nm == line.nm) {
+            if !seen.insert(line.nm.to_bits()) {
                 return Err(Error::new(format!("the line at {} nm stands twice", line.nm))
                     .hint("write it once, with the sum of its powers")
                     .under("wavelength_nm")

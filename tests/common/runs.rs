@@ -12,7 +12,7 @@ pub fn films(scene: &Scene, integrator: Integrator, samples_per_pixel: u64, seed
     let plan = Plan::of(scene, &view.sensor, integrator.strategies());
     let run = |run: u64| {
         let seed = (seed.wrapping_mul(16) + integrator as u64).wrapping_mul(BATCHES as u64) + run;
-        let budget = Budget { samples_per_pixel, time: None, seed };
+        let budget = Budget { samples_per_pixel, time: None, error: None, seed };
         integrator.render(scene, view, &plan, &budget, &Silent).film
     };
     (0..BATCHES as u64).map(run).collect()

@@ -51,7 +51,7 @@ fn compare(record: &mut Record, what: &str, objects: Value, lights: Value, truth
     let scene = metered(materials, objects, lights, illuminance([0., 1., 0.], [0., -1., 0.]));
     let reading = read_seeded(&scene, Integrator::Path, record.samples(1 << 16), record.seed());
     record.relative(format!("{what}, lx"), reading.photometric.mean, truth, 1e-3);
-    record.exactly(format!("{what}: samples that are no numbers"), reading.non_finite_samples, 0);
+    record.exactly(format!("{what}: samples that are no numbers"), reading.faults.count, 0);
 }
 
 /// Shapes of a centimetre or two that look along +y.
