@@ -3,6 +3,7 @@
 use crate::geometry::{Ray, SurfacePoint};
 use crate::sampler::inverse::{ANY, square_of_disk};
 use glam::{DVec3, Vec3A};
+use serde::{Deserialize, Serialize};
 
 /// Where a camera is, in scene units and right-handed world coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +27,15 @@ pub struct LensAperture {
     pub focus_distance: f64,
 }
 
+/// Which part of a picture another one is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Crop {
+    /// Width and height of the whole picture in pixels.
+    pub whole: [u32; 2],
+    /// Column and row of the part's top left pixel in it.
+    pub corner: [u32; 2],
+}
+
 /// A camera that turns picture positions into rays.
 #[derive(Clone, Debug)]
 pub struct Camera {
@@ -36,6 +46,7 @@ pub struct Camera {
     /// Offset of the principal point from the picture's middle, in pixels (right, down).
     principal_point_px: [f64; 2],
     aperture: Option<LensAperture>,
+    crop: Option<Crop>,
 }
 
 impl Camera {
@@ -47,7 +58,7 @@ impl Camera {
         principal_point_px: [f64; 2],
         aperture: Option<LensAperture>,
     ) -> Self {
-        Self { placement, resolution, half_extent, principal_point_px, aperture }
+        Self { placement, resolution, half_extent, principal_point_px, aperture, crop: None }
     }
 
     /// Width and height in pixels.
@@ -117,7 +128,13 @@ impl Camera {
             camera.principal_point_px[axis] += 0.5 * (whole - part) - corner[axis];
         }
         camera.resolution = part;
+        camera.crop = Some(Crop { whole, corner: [x, y] });
         Some(camera)
+    }
+
+    /// Of which picture this one is a part, if of any.
+    pub const fn crop(&self) -> Option<Crop> {
+        self.crop
     }
 
     /// The ray through a picture position in pixels (from the top left corner) and, with an

@@ -52,7 +52,7 @@ pub use electrons::{
 };
 pub use exposure::{Exposure, STANDARD_Q, STANDARD_Q_ON_AXIS, clear_lens_q};
 pub use film::{BlockStatistics, Film};
-pub use lens::{Camera, CameraPlacement, LensAperture};
+pub use lens::{Camera, CameraPlacement, Crop, LensAperture};
 pub use record::{CameraRecord, ChannelRecord, Optics, Responses, Seen, White};
 pub use sensor::{CIE_SENSOR, Channel, Detector, Sensor};
 pub use stages::{SWITCHES, Stage};

@@ -258,7 +258,7 @@ pub fn render_to_files(
     }
     view.record().warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let budget = effort.budget(default_spp);
-    let identity = Identity::of(scene, view, integrator, &budget);
+    let identity = Identity::of(scene, view, &plan, integrator, &budget);
     let keeping = files.keeping.cloned().unwrap_or_default();
     let (from, watch) = keeping.begin(identity, view, &budget)?;
     let rendering = integrator.go_on(scene, view, &plan, &budget, &watch, from);

@@ -1,6 +1,7 @@
 //! `etalon replay`: one sample of a render or of a reading again, vertex by vertex.
 
 use clap::Args;
+use etalon::camera::Crop;
 use etalon::error::{Error, Result};
 use etalon::image::read_facts;
 use etalon::integrator::{Bounded, Integrator, block_size, instrument_plan};
@@ -62,6 +63,7 @@ struct Known {
     samples_per_pixel: u64,
     max_bounces: Option<u32>,
     spectral_layers: usize,
+    crop: Option<Crop>,
     non_finite: Vec<SampleName>,
     camera: Option<KnownCamera>,
     meters: Vec<KnownMeter>,
@@ -185,8 +187,16 @@ fn integrator(arguments: &Arguments, known: &Known) -> Result<Integrator> {
 fn view(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<View> {
     let mut view = scene.view().map_err(|e| e.in_file(&arguments.scene))?.clone();
     let rendered = known.camera.as_ref().map(|camera| camera.resolution);
-    if let Some(resolution) = arguments.resolution.or(rendered) {
-        view.camera = view.camera.with_resolution(resolution);
+    match (known.crop, arguments.resolution.or(rendered)) {
+        (Some(Crop { whole, corner: [x, y] }), Some([width, height])) => {
+            let part = view.camera.with_resolution(whole).cropped([x, y, width, height]);
+            view.camera = part.ok_or_else(|| {
+                Error::new("the part of the picture that was rendered lies outside of it")
+                    .hint("leave --resolution out: the render knows its own")
+            })?;
+        }
+        (None, Some(resolution)) => view.camera = view.camera.with_resolution(resolution),
+        (_, None) => {}
     }
     if known.spectral_layers > 0 {
         view.sensor = view.sensor.with_spectral_layers(known.spectral_layers);

@@ -15,9 +15,10 @@
 //! more is allocated than a small multiple of the file's size.
 
 use super::safely::write_whole;
+use crate::camera::Crop;
 use crate::error::{Error, Result};
 use crate::integrator::{Budget, Integrator, State};
-use crate::scene::{Scene, View};
+use crate::scene::{Plan, Scene, View};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::io::{BufWriter, Read as _, Write};
@@ -54,6 +55,10 @@ pub struct Identity {
     pub integrator: String,
     /// Width and height in pixels.
     pub resolution: [u32; 2],
+    /// Of which picture that is a part.
+    pub crop: Option<Crop>,
+    /// Bounces after which paths are cut off, where somebody asked for it.
+    pub max_bounces: Option<u32>,
     /// Channels of the film.
     pub channels: Vec<String>,
     /// Seed of the random numbers.
@@ -68,13 +73,15 @@ pub struct Identity {
 
 impl Identity {
     /// That of a run of this program.
-    pub fn of(scene: &Scene, view: &View, integrator: Integrator, budget: &Budget) -> Self {
+    pub fn of(scene: &Scene, view: &View, plan: &Plan, integrator: Integrator, budget: &Budget) -> Self {
         Self {
             program: format!("{} ({})", env!("CARGO_PKG_VERSION"), env!("ETALON_SOURCES")),
             scene: scene.name.clone(),
             scene_hash: scene.hash.clone(),
             integrator: integrator.name().to_owned(),
             resolution: view.camera.resolution(),
+            crop: view.camera.crop(),
+            max_bounces: plan.most_bounces,
             channels: view.sensor.channels.iter().map(|channel| channel.name.clone()).collect(),
             seed: budget.seed,
             samples_per_pixel: Some(budget.samples_per_pixel).filter(|most| *most < u64::MAX),
@@ -93,6 +100,8 @@ impl Identity {
                 ("scene", format!("\"{}\" ({})", run.scene, run.scene_hash)),
                 ("integrator", run.integrator.clone()),
                 ("resolution", format!("{width}x{height}")),
+                ("corner of --crop", or_none(run.crop.map(|Crop { corner: [x, y], .. }| format!("{x},{y}")))),
+                ("bounces at most", or_none(run.max_bounces.map(|most| most.to_string()))),
                 ("channels", run.channels.join(" ")),
                 ("seed", run.seed.to_string()),
                 ("samples per pixel", or_none(run.samples_per_pixel.map(|most| most.to_string()))),

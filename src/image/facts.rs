@@ -1,6 +1,6 @@
 //! What a picture file says about itself, as one JSON text beside the standard attributes.
 
-use crate::camera::{CameraRecord, Film};
+use crate::camera::{CameraRecord, Crop, Film};
 use crate::integrator::{Budget, End, Integrator, Truncation, cpu_seconds};
 use crate::metropolis::Outcome;
 use crate::replay::SampleName;
@@ -59,6 +59,8 @@ pub struct Facts {
     pub max_bounces: Option<u32>,
     /// What a limit on bounces has cut off, and what was trapped.
     pub truncation: Option<Truncation>,
+    /// Of which picture this one is a part; `None`: it is all of it.
+    pub crop: Option<Crop>,
     /// Spectral layers among the channels: they have a say in the wavelengths of samples.
     pub spectral_layers: usize,
     /// What chains of paths say about themselves.
@@ -125,6 +127,7 @@ impl Facts {
             non_finite: film.faults.named.clone(),
             max_bounces: plan.most_bounces,
             truncation: None,
+            crop: view.camera.crop(),
             spectral_layers: view.sensor.channels.iter().filter(|c| c.name.starts_with("S0.")).count(),
             metropolis: None,
         }
