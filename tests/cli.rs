@@ -380,7 +380,7 @@ fn wrong_arguments_are_named_with_what_belongs_there() {
         (vec!["--checkpoint", "kept", "--checkpoint-interval=-1"], "give a number of seconds from 0 up"),
         (vec!["--checkpoint", "out.exr"], "out.exr: the checkpoint would overwrite the output"),
         (vec!["--checkpoint", "nowhere/kept"], "nowhere/kept: the folder of the output does not exist"),
-        (vec!["--checkpoint", "/dev/null", "--resume"], "/dev/null: a checkpoint is a file"),
+        (vec!["--checkpoint", "tests", "--resume"], "tests: the output is a folder; choose another name"),
         (vec!["--threads", "0"], "'0' for '--threads <N>'"),
         (vec!["--seed", "1.5"], "'1.5' for '--seed <N>'"),
         (vec!["--spectral-layers", "0"], "'0' for '--spectral-layers <N>'"),

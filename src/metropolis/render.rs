@@ -247,8 +247,14 @@ fn outcome(world: &World<'_>, learned: &Learned, state: &State) -> Outcome {
 
 /// Blocks that a run takes whatever happens.
 fn fewest_blocks(budget: &Budget) -> u64 {
+    /// Of a half, against the clock.
+    const OF_HALF: u64 = 2;
     // The blocks that an error waits for are more than those of a run that is told its samples.
-    if budget.time.is_some() { 2 } else { BLOCKS.min(budget.samples_per_pixel) }
+    if budget.time.is_some() {
+        OF_HALF * budget.halves() as u64
+    } else {
+        BLOCKS.min(budget.samples_per_pixel)
+    }
 }
 
 /// Samples per pixel of the next block.
