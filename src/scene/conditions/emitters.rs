@@ -110,7 +110,7 @@ fn hidden_lamps(scene: &Scene, probe: &Probe) -> Option<Condition> {
             .effect(
                 Kind::Noise,
                 &["light", "bdpt"],
-                "walks from the lamp pass the same openings as rarely, and what hides the lamp blocks most joints of the two subpaths",
+                "walks from the lamp have to pass the same openings, and what hides the lamp blocks joints of the two subpaths as well",
             )
             .remedy("--integrator mlt, which keeps to what it has found"),
     )

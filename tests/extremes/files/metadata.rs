@@ -71,11 +71,11 @@ pub fn a_picture_carries_all_that_it_was_made_with(record: &mut Record) {
     let plan = facts["plan"].to_string();
     record.says("plan", &plan, "pinhole: no lens sampling");
     let commit = facts["git_hash"].as_str().map(|hash| hash.trim_end_matches("-changed").to_owned());
-    let head =
-        Command::new("git").args(["rev-parse", "HEAD"]).current_dir(env!("CARGO_MANIFEST_DIR")).output();
-    let head = head.ok().filter(|output| output.status.success());
-    let head = head.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
-    record.exactly("commit", commit.unwrap_or("none".into()), head.unwrap_or("none".into()));
+    match head() {
+        Some(head) => record.exactly("commit", commit.unwrap_or("none".into()), head),
+        // A published copy knows the commit that it was made from, any other copy none.
+        None => record.holds("no commit, or a whole one", commit.is_none_or(|commit| commit.len() == 40)),
+    }
     record.holds("wall-clock time above 0 s", number(&facts, "/seconds") > 0.0);
     record.holds("processor time above 0 s", number(&facts, "/cpu_seconds") > 0.0);
     let conditions = facts["conditions"].as_array().map_or(0, Vec::len);
@@ -109,6 +109,17 @@ pub fn a_picture_of_chains_carries_their_normalisation(record: &mut Record) {
     record.note(format!("b = {b:.4e}, 95 % from {low:.4e} to {high:.4e}"));
     record.holds("b lies within its interval, which is not empty", low < b && b < high && b > 0.0);
     record.holds("fresh paths are counted", number(&facts, "/metropolis/report/fresh_paths") > 0.0);
+}
+
+/// The commit that is checked out; `None` outside the project's own repository.
+fn head() -> Option<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let git = |arguments: [&str; 2]| {
+        let output = Command::new("git").args(arguments).current_dir(root).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    let top = std::fs::canonicalize(git(["rev-parse", "--show-toplevel"])?).ok()?;
+    (top == std::fs::canonicalize(root).ok()?).then(|| git(["rev-parse", "HEAD"]))?
 }
 
 /// Red, green, blue and white of an image.
