@@ -60,13 +60,18 @@ pub fn the_smallest_roughness_is_as_good_as_polished(record: &mut Record) {
             "camera": { "position": [0, 0.3, -2], "look_at": [0, 0, 0], "up": [0, 1, 0], "focal_length_mm": 100,
                 "sensor_mm": [60, 60], "resolution": [8, 8], "iso": 100, "shutter_s": 0.01, "f_stop": 8 },
         }));
-        picture_xyz(&films(&scene, Integrator::Path, record.samples(64), record.seed()))[1]
+        picture_xyz(&films(&scene, Integrator::Path, record.samples(192), record.seed()))[1]
     };
     let polished = mean(0.0, record);
     for alpha in [1e-4, 3e-4, 1e-3] {
         let rough = mean(alpha, record);
         let noise = rough.standard_error.hypot(polished.standard_error) / polished.mean;
-        record.relative(format!("picture at alpha = {alpha} over polished"), rough.mean / polished.mean, 1.0, 2e-3);
+        record.relative(
+            format!("picture at alpha = {alpha} over polished"),
+            rough.mean / polished.mean,
+            1.0,
+            2e-3,
+        );
         record.at_most(format!("noise of that at alpha = {alpha}"), noise, 4e-4);
     }
 }
@@ -76,8 +81,11 @@ const DRAWS: u64 = 400_000;
 
 // Case 36.
 pub fn the_roughest_mirror_keeps_its_closed_form_share(record: &mut Record) {
-    for (alpha, mu, truth) in [(1.0, 1.0, 1.0 - LN_2), (0.5, 1.0, 0.688), (0.5, 0.5, 0.698), (0.5, 0.05, 0.913)] {
-        let [kept, _] = drawn(&white(alpha), mu, Quantity::Radiance, 4 * record.samples(DRAWS), record.seed() ^ 36);
+    for (alpha, mu, truth) in
+        [(1.0, 1.0, 1.0 - LN_2), (0.5, 1.0, 0.688), (0.5, 0.5, 0.698), (0.5, 0.05, 0.913)]
+    {
+        let [kept, _] =
+            drawn(&white(alpha), mu, Quantity::Radiance, 4 * record.samples(DRAWS), record.seed() ^ 36);
         record.absolute(format!("albedo at alpha = {alpha}, cos {mu}"), kept.value(), truth, 1e-3);
         record.at_most(format!("its standard error at alpha = {alpha}, cos {mu}"), kept.error(), 4e-4);
     }
@@ -93,7 +101,13 @@ pub fn white_facets_lose_what_quadrature_says(record: &mut Record) {
     for alpha in ALPHAS {
         for mu in [1.0, 0.5, 0.05] {
             let truth = albedo(alpha, mu, 1.5, |_| (1.0, 0.0))[0];
-            let [kept, _] = drawn(&white(alpha as f32), mu, Quantity::Radiance, record.samples(DRAWS), record.seed() ^ 37);
+            let [kept, _] = drawn(
+                &white(alpha as f32),
+                mu,
+                Quantity::Radiance,
+                record.samples(DRAWS),
+                record.seed() ^ 37,
+            );
             let what = format!("share lost at alpha = {alpha}, cos {mu}");
             record.absolute(what, 1.0 - kept.value(), 1.0 - truth, 2e-3);
         }
@@ -119,10 +133,15 @@ pub fn exact_grazing_and_normal_directions_have_values(record: &mut Record) {
             }
         }
     }
-    record.exactly(format!("values or densities that are no numbers, of {pairs} pairs of directions"), faults, 0);
-    let in_plane = specimens().iter().filter(|(_, bsdf)| {
-        bsdf.sample(Vec3A::X, 0.3, [0.4, 0.6], Quantity::Radiance).is_some()
-    }).count();
+    record.exactly(
+        format!("values or densities that are no numbers, of {pairs} pairs of directions"),
+        faults,
+        0,
+    );
+    let in_plane = specimens()
+        .iter()
+        .filter(|(_, bsdf)| bsdf.sample(Vec3A::X, 0.3, [0.4, 0.6], Quantity::Radiance).is_some())
+        .count();
     record.exactly("materials that scatter light from within the surface's plane", in_plane, 0);
 }
 
@@ -150,7 +169,8 @@ pub fn smooth_normals_are_the_same_from_both_ends(record: &mut Record) {
     let mut json = scenes::smooth_normals();
     json["camera"]["resolution"] = json!([8, 8]);
     let scene = scene(&json);
-    let all = [(Integrator::Path, 128), (Integrator::Light, 256), (Integrator::Bdpt, 64), (Integrator::Mlt, 256)];
+    let all =
+        [(Integrator::Path, 128), (Integrator::Light, 256), (Integrator::Bdpt, 64), (Integrator::Mlt, 256)];
     let means = all.map(|(integrator, spp)| {
         (integrator.name(), picture_xyz(&films(&scene, integrator, record.samples(spp), record.seed()))[1])
     });

@@ -14,69 +14,6 @@ fn assert_close(got: f64, expected: f64, relative: f64, what: &str) {
     assert!(error <= relative, "{what}: {got:e}, expected {expected:e}, off by {error:e}");
 }
 
-/// Reflectance averaged over a diffuse field, seen from the side of index one.
-fn diffuse_reflectance(eta: f64) -> f64 {
-    let f = |c: f64| 2.0 * c * dielectric(c, eta - 1.0).reflected;
-    if eta >= 1.0 {
-        return integral(0.0, 1.0, f);
-    }
-    let critical = (1.0 - eta * eta).sqrt();
-    critical * critical + integral(critical, 1.0, f)
-}
-
-#[test]
-fn diffuse_reflectance_of_glass_from_both_sides() {
-    let (outside, inside) = (diffuse_reflectance(1.5), diffuse_reflectance(1.0 / 1.5));
-    assert!((outside - 0.091_778_0).abs() < 1e-6, "{outside}");
-    assert!((inside - 0.596_345_8).abs() < 1e-6, "{inside}");
-    assert_close(1.0 - inside, (1.0 - outside) / 2.25, 1e-9, "n^2 identity");
-}
-
-#[test]
-fn diffuse_reflectance_of_a_thinner_medium() {
-    let got = diffuse_reflectance(0.9);
-    assert!((got - 0.212_244).abs() < 1e-5, "{got}");
-}
-
-#[test]
-fn total_reflection_begins_where_it_should_and_never_dips() {
-    let excess = 1.0 / 1.5 - 1.0;
-    let critical = (1.0_f64 / 1.5).asin();
-    let at = |theta: f64| dielectric(theta.cos(), excess).reflected;
-    assert!((at(critical - 1e-6) - 0.991_350).abs() < 1e-6);
-    assert!((at(critical - 1e-8) - 0.999_131).abs() < 1e-6);
-    for step in 0..=1000 {
-        assert_eq!(at(critical + 1e-12 + f64::from(step) * 1e-4), 1.0);
-    }
-    let mut last = 0.0;
-    for step in (0..4000).rev() {
-        let now = at(critical - f64::from(step) * 1e-9);
-        assert!(now >= last && now <= 1.0, "{now} after {last}");
-        last = now;
-    }
-}
-
-#[test]
-fn grazing_light_still_enters() {
-    for (cosine, share) in [(1e-4, 5.81e-4), (1e-5, 5.8136e-5), (1e-7, 5.813_8e-7)] {
-        // 4 c q (1 / (c + q)^2 + eta^2 / (eta^2 c + q)^2) / 2 to the second order in c.
-        let eta2: f64 = 2.25;
-        let m: f64 = eta2 - 1.0;
-        let series = 2.0 * cosine * (1.0 + eta2) / m.sqrt() - 4.0 * cosine * cosine * (1.0 + eta2 * eta2) / m;
-        let got = dielectric(cosine, 0.5).crossing;
-        assert_close(got, series, 1e-6, "series");
-        assert_close(got, share, 1e-3, "table");
-    }
-}
-
-#[test]
-fn brewsters_angle() {
-    let theta = 1.5_f64.atan();
-    assert!((theta.to_degrees() - 56.309_93).abs() < 1e-5);
-    let got = dielectric(theta.cos(), 0.5).reflected;
-    assert!((got - 0.073_964_5).abs() < 1e-7, "{got}");
-}
-
 #[test]
 fn media_that_nearly_match() {
     for excess in [1e-6, -1e-6, 1e-9, 1e-12] {
@@ -149,24 +86,6 @@ fn conductors_at_the_ends() {
 
 /// Unpolarised reflectance of N = 1 + 6i at 60 degrees.
 const ALUMINIUM_AT_60: f64 = 0.883_499_519_392_866_8;
-
-#[test]
-fn facets_are_dense_where_they_should_be() {
-    for alpha in [1e-4_f64, 3e-4, 1e-3, 1e-2, 0.1, 0.5, 1.0] {
-        let facets = Ggx::isotropic(alpha as f32);
-        let peak = 1.0 / (PI * alpha * alpha);
-        assert_close(facets.density(Vec3A::Z).into(), peak, 1e-5, "peak");
-        for theta in [0.3 * alpha, alpha, 3.0 * alpha, 0.2] {
-            let (sine, cosine) = theta.sin_cos();
-            let slope = (sine / alpha).powi(2) + cosine * cosine;
-            let h = Vec3A::new((0.6 * sine) as f32, (0.8 * sine) as f32, cosine as f32);
-            let got = facets.density(h).into();
-            assert_close(got, peak / (slope * slope), 1e-4, &format!("{alpha} {theta}"));
-        }
-    }
-    let quarter = Ggx::isotropic(1e-4).density(direction((1e-4_f64).cos(), 0.0));
-    assert_close(quarter.into(), 7.958e6, 1e-3, "density at theta = alpha = 1e-4");
-}
 
 #[test]
 fn facets_cover_the_surface_once() {

@@ -125,13 +125,14 @@ pub fn dispersion_moves_light_and_takes_none(record: &mut Record) {
     {
         let scene = beam(&index);
         let truth = screened(&scene, name == "V = 20");
-        for (integrator, spp) in [(Integrator::Light, 192), (Integrator::Bdpt, 192), (Integrator::Mlt, 384)] {
+        for (integrator, spp) in [(Integrator::Light, 192), (Integrator::Bdpt, 256), (Integrator::Mlt, 768)] {
             let films = films(&scene, integrator, record.samples(spp), record.seed());
             let channels = ["X", "Y", "Z"].into_iter().zip(picture_xyz(&films)).zip(truth);
             for ((channel, found), truth) in channels {
                 // Radiance of the screen is its irradiance times reflectance over pi; the picture
                 // shows an area of the screen's plane.
-                let [flux, error] = [found.mean, found.standard_error].map(|value| value * PI / SCREEN * SHOWN_M2);
+                let [flux, error] =
+                    [found.mean, found.standard_error].map(|value| value * PI / SCREEN * SHOWN_M2);
                 let what = format!("{name}, {}: {channel} on the screen", integrator.name());
                 if integrator == Integrator::Mlt {
                     record.mean(what, flux, error, truth, 3e-3);
@@ -190,7 +191,8 @@ fn screened(scene: &Scene, disperses: bool) -> Xyz {
     let Light::Point(light) = scene.lights.get(0) else { panic!("a point light") };
     let stored: Vec<f64> = light.intensity.at_grid_points().collect();
     // Stored per scene unit; the lamp's facts are per metre.
-    let per_metre = scene.emitters[0].xyz[1] / grid_nm().zip(&stored).map(|(nm, i)| i * xyz_at(nm)[1]).sum::<f64>();
+    let per_metre =
+        scene.emitters[0].xyz[1] / grid_nm().zip(&stored).map(|(nm, i)| i * xyz_at(nm)[1]).sum::<f64>();
     let intensity = stored.into_iter().map(|intensity| intensity * per_metre);
     // Cauchy's law through nd with V = 20, lines F and C.
     let b_um2 = if disperses {
@@ -248,7 +250,7 @@ pub fn wavelengths_are_dropped_once_on_both_sides_of_a_joint(record: &mut Record
         "camera": { "position": [0, 0.6, -2.6], "look_at": [0, 0.15, 0], "up": [0, 1, 0], "focal_length_mm": 50,
             "sensor_mm": [20, 10], "resolution": [4, 2], "iso": 100, "shutter_s": 0.01, "f_stop": 8 },
     }));
-    let means = [(Integrator::Path, 768), (Integrator::Bdpt, 384), (Integrator::Mlt, 1536)].map(
+    let means = [(Integrator::Path, 768), (Integrator::Bdpt, 384), (Integrator::Mlt, 2048)].map(
         |(integrator, spp)| {
             (integrator.name(), picture_xyz(&films(&scene, integrator, record.samples(spp), record.seed())))
         },
