@@ -14,10 +14,10 @@ fn planck(nm: f64, kelvin: f64) -> f64 {
 pub fn a_cold_black_body_is_dark_and_never_nan(record: &mut Record) {
     record.exactly("B(555 nm, 1 K), W m^-2 sr^-1 m^-1", planck(555.0, 1.0), 0.0);
     for (nm, kelvin, ln) in [
-        (555.0, 1.0, -25_888.552_746_274_827),
-        (360.0, 1e-3, -39_965_986.855_832_362),
+        (555.0, 1.0, -25_888.552_746_274_83),
+        (360.0, 1e-3, -39_965_986.855_832_36),
         (1e6, 1.0, -16.515_523_933_123_137),
-        (555.0, 1000.0, 9.431_048_795_987_370_5),
+        (555.0, 1000.0, 9.431_048_795_987_37),
     ] {
         let found = ln_planck(Nanometers(nm), Kelvin(kelvin));
         record.relative(format!("ln B({nm} nm, {kelvin} K)"), found, ln, 1e-10);
