@@ -60,7 +60,7 @@ pub fn the_smallest_roughness_is_as_good_as_polished(record: &mut Record) {
             "camera": { "position": [0, 0.3, -2], "look_at": [0, 0, 0], "up": [0, 1, 0], "focal_length_mm": 100,
                 "sensor_mm": [60, 60], "resolution": [8, 8], "iso": 100, "shutter_s": 0.01, "f_stop": 8 },
         }));
-        picture_xyz(&films(&scene, Integrator::Path, record.samples(192), record.seed()))[1]
+        picture_xyz(&films(&scene, Integrator::Path, record.samples(384), record.seed()))[1]
     };
     let polished = mean(0.0, record);
     for alpha in [1e-4, 3e-4, 1e-3] {

@@ -10,7 +10,7 @@ use etalon::camera::Film;
 use etalon::integrator::Integrator;
 use etalon::light::Light;
 use etalon::scene::Scene;
-use etalon::spectrum::colour::{Xyz, xyz_at};
+use etalon::spectrum::colour::{Xyz, xy_of, xyz_at};
 use etalon::spectrum::grid_nm;
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -33,7 +33,8 @@ const SIDE_PX: u32 = 11;
 const HALF_RAD: f64 = 4e-3;
 
 // Case 20. The eye looks through the prism along the path of minimum deviation at a lamp that
-// stands where the glass must send it; its spot is in the middle of the picture.
+// stands where the glass must send it; its spot is in the middle of the picture. The lamp has
+// another line as well, which the glass sends past the picture: the spot has the colour of one.
 pub fn a_prism_deviates_as_its_glass_demands(record: &mut Record) {
     for (name, nm, deviation_deg) in [
         ("F", 486.1327, 39.138_11),
@@ -48,7 +49,13 @@ pub fn a_prism_deviates_as_its_glass_demands(record: &mut Record) {
             if integrator == Integrator::Mlt && name != "d" {
                 continue;
             }
-            let films = films(&scene, integrator, record.samples(24), record.seed());
+            let films = films(&scene, integrator, record.samples(32), record.seed());
+            for (channel, truth) in ["x", "y"].into_iter().zip(xy_of(xyz_at(nm)).unwrap_or([f64::NAN; 2])) {
+                let found = mean_of(&films, |film| spot_xy(film)[usize::from(channel == "y")]);
+                // The board behind the lamp, a thousandth as bright, has both lines.
+                let what = format!("{name}, {}: {channel} of the spot", integrator.name());
+                record.absolute(what, found.mean, truth, 5e-3);
+            }
             for (axis, direction) in [(0, "across"), (1, "along")] {
                 let off = mean_of(&films, |film| centroid_rad(film, axis));
                 let what = format!(
@@ -76,13 +83,14 @@ fn spot(nm: f64, deviation_deg: f64) -> Scene {
     let eye = [-half_width - cos, middle - sin, 0.0];
     let along = |distance: f64| [half_width + distance * cos, middle - distance * sin, 0.0];
     let [left, right] = faces(60.0, height, "glass");
-    let line = json!({ "lines": { "lines": [{ "wavelength_nm": nm, "power": 1 }] } });
+    let other_nm = if nm == 400.0 { 700.0 } else { 400.0 };
+    let lines = [nm, other_nm].map(|nm| json!({ "wavelength_nm": nm, "power": 1 }));
     scene(&json!({
         "name": "spot", "length_unit": "m",
         "materials": { "glass": { "dielectric": { "index": "n-bk7" } }, "grey": { "lambertian": { "reflectance": 0.5 } } },
         "objects": [left, right,
             { "shape": { "sphere": { "center": along(3.0), "radius": 0.008 } }, "material": "grey",
-              "emission": { "spectrum": line, "level": { "luminance_cd_m2": 100 } } },
+              "emission": { "spectrum": { "lines": { "lines": lines } }, "level": { "luminance_cd_m2": 100 } } },
             // A board behind the lamp, which light reaches by way of the lamp alone: work for chains.
             { "shape": { "disk": { "center": along(3.2), "normal": [-cos, sin, 0], "radius": 0.5 } }, "material": "grey" }],
         "camera": { "position": eye, "look_at": [-half_width, middle, 0], "up": [0, 1, 0], "focal_length_mm": 1000,
@@ -91,19 +99,28 @@ fn spot(nm: f64, deviation_deg: f64) -> Scene {
     }))
 }
 
-/// Mean place of a film's light along an axis, as an angle from the middle.
+/// Mean place of a spot along an axis of the picture, as an angle from the middle.
 fn centroid_rad(film: &Film, axis: usize) -> f64 {
     let place = |pixel: usize| [pixel % SIDE_PX as usize, pixel / SIDE_PX as usize][axis] as f64 + 0.5;
     let pixel_rad = 2.0 * HALF_RAD / f64::from(SIDE_PX);
-    // The light of the spot alone, without the board around it.
-    let largest = (0..film.pixels()).map(|pixel| film.mean(pixel, 1)).fold(0.0, f64::max);
-    let bright = |pixel: &usize| film.mean(*pixel, 1) > 0.05 * largest;
     let (mut moment, mut sum) = (0.0, 0.0);
-    for pixel in (0..film.pixels()).filter(bright) {
+    for pixel in spot_of(film) {
         moment += film.mean(pixel, 1) * (place(pixel) - 0.5 * f64::from(SIDE_PX));
         sum += film.mean(pixel, 1);
     }
     moment / sum * pixel_rad
+}
+
+/// Chromaticity of a spot.
+fn spot_xy(film: &Film) -> [f64; 2] {
+    let xyz = [0, 1, 2].map(|channel| spot_of(film).iter().map(|pixel| film.mean(*pixel, channel)).sum());
+    xy_of(xyz).unwrap_or([f64::NAN; 2])
+}
+
+/// The pixels of the spot, without the board around it.
+fn spot_of(film: &Film) -> Vec<usize> {
+    let largest = (0..film.pixels()).map(|pixel| film.mean(pixel, 1)).fold(0.0, f64::max);
+    (0..film.pixels()).filter(|pixel| film.mean(*pixel, 1) > 0.05 * largest).collect()
 }
 
 /// Apex and height of the prism that spreads a beam, its index at the d line, and half the
@@ -250,7 +267,7 @@ pub fn wavelengths_are_dropped_once_on_both_sides_of_a_joint(record: &mut Record
         "camera": { "position": [0, 0.6, -2.6], "look_at": [0, 0.15, 0], "up": [0, 1, 0], "focal_length_mm": 50,
             "sensor_mm": [20, 10], "resolution": [4, 2], "iso": 100, "shutter_s": 0.01, "f_stop": 8 },
     }));
-    let means = [(Integrator::Path, 768), (Integrator::Bdpt, 384), (Integrator::Mlt, 2048)].map(
+    let means = [(Integrator::Path, 768), (Integrator::Bdpt, 640), (Integrator::Mlt, 2048)].map(
         |(integrator, spp)| {
             (integrator.name(), picture_xyz(&films(&scene, integrator, record.samples(spp), record.seed())))
         },
