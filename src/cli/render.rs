@@ -9,7 +9,7 @@ use etalon::error::{Error, Result};
 use etalon::image::{DEVELOPED_ENDINGS, Facts, Label, Layers, write_developed, write_exr};
 use etalon::integrator::{Integrator, Rendering};
 use etalon::metropolis::Outcome;
-use etalon::scene::{Plan, Scene, View};
+use etalon::scene::{NOTHING_SHINES, Plan, Scene, View};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -230,6 +230,9 @@ pub fn render_to_files(
     let plan = Plan::of(scene, &view.sensor, effort.integrator().strategies());
     if !plan.unreachable.is_empty() {
         eprintln!("warning: {}", missing(&plan, effort.integrator()));
+    }
+    if plan.reasons.iter().any(|reason| reason == NOTHING_SHINES) {
+        eprintln!("warning: {NOTHING_SHINES}");
     }
     view.record().warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let budget = effort.budget(default_spp);

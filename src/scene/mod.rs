@@ -15,7 +15,7 @@ mod spectra;
 mod view;
 
 pub use chain::{Chain, check_white, equal_energy, white_named};
-pub use plan::Plan;
+pub use plan::{NOTHING_SHINES, Plan};
 pub use reach::{Unreachable, unreachable, unreachable_by_instrument};
 pub use view::CameraFacts;
 

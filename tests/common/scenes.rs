@@ -42,11 +42,17 @@ pub fn diffuse() -> Value {
 
 /// A room that is lit through a crack in the lid of a lamp's box alone.
 pub fn crack() -> Value {
+    crack_of(0.008)
+}
+
+/// The same with a crack of half a width in metres.
+pub fn crack_of(wide: f64) -> Value {
     let mut json = diffuse();
+    json["name"] = json!("crack");
     let objects = json["objects"].as_array_mut().expect("objects");
     let lid = |vertices: [[f64; 3]; 4]| json!({ "shape": { "quad": { "vertices": vertices } }, "material": "white" });
-    // The lamp hangs at 1.99 m; the lid under it leaves 16 mm by 10 cm free.
-    let (low, high, wide) = (-1.0, 1.0, 0.008);
+    // The lamp hangs at 1.99 m; the lid under it leaves this by 10 cm free.
+    let (low, high) = (-1.0, 1.0);
     for [x, z] in [[low, -wide], [wide, high]] {
         objects.push(lid([[x, 1.9, low], [z, 1.9, low], [z, 1.9, high], [x, 1.9, high]]));
     }
