@@ -6,7 +6,7 @@ use common::alone::{Findings, alone};
 use common::{SIGMAS, assert_reads, illuminance, luminance, metered, read_with, scene};
 use etalon::camera::Sensor;
 use etalon::integrator::{Draw, Integrator, Tracer};
-use etalon::path::{Eye, Kind, Strategies, Subpaths};
+use etalon::path::{Eye, Strategies, Subpaths};
 use etalon::sampler::{BlockSampler, Stream};
 use etalon::scene::{Plan, Scene};
 use etalon::statistics::{BATCHES, BatchMean};

@@ -159,7 +159,7 @@ pub fn many_lamps() -> Value {
     let mut scene = room("many-lamps", materials, things);
     let point = |i: u32| {
         let mut light = json!({ "point": { "position": at(i), "emission": daylight(6.0) } });
-        if i % 2 == 0 {
+        if i.is_multiple_of(2) {
             light["point"]["distribution"] = json!({ "cosine": { "axis": [0.2, -1, 0.1] } });
         }
         light
