@@ -84,7 +84,7 @@ pub fn rooms_beside_one_another_are_as_bright_as_by_independent_samples(record: 
             mean_of(&run, 1, |column| column >= 9) / mean_of(&run, 1, |column| column < 7)
         })
     };
-    let chains = ratio(Integrator::Mlt, record.samples(704), record.seed());
+    let chains = ratio(Integrator::Mlt, record.samples(1536), record.seed());
     let samples = ratio(Integrator::Bdpt, record.samples(128), record.seed().wrapping_add(1000));
     record.relative("one room over the other, mlt against bdpt", chains[0], samples[0], 0.02);
     record.same_mean("the same, by its errors", chains, samples, 0.01);
