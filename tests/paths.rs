@@ -7,11 +7,7 @@ mod common;
 
 use common::contributions::each_contribution;
 use common::rooms::rooms;
-use etalon::camera::Sensor;
-use etalon::integrator::{Draw, Tracer};
-use etalon::path::{Contribution, Eye, Kind, Strategies, Subpaths, Vertex, Whole};
-use etalon::sampler::{BlockSampler, Stream};
-use etalon::scene::{Plan, Scene};
+use etalon::path::{Strategies, Vertex};
 use etalon::spectrum::LANES;
 
 /// Largest relative difference of two computations in 32 bits of the same number.

@@ -14,7 +14,7 @@ use etalon::image::{
 use etalon::integrator::{Integrator, Rendering};
 use etalon::metropolis::Outcome;
 use etalon::scene::conditions::{ORDINARY_SPP, conditions, in_short};
-use etalon::scene::{Plan, Scene, View};
+use etalon::scene::{NOTHING_SHINES, Plan, Scene, View};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -255,6 +255,9 @@ pub fn render_to_files(
     let plan = effort.plan(scene, &view.sensor);
     if !plan.unreachable.is_empty() {
         eprintln!("warning: {}", missing(&plan, integrator));
+    }
+    if plan.reasons.iter().any(|reason| reason == NOTHING_SHINES) {
+        eprintln!("warning: {NOTHING_SHINES}");
     }
     view.record().warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let budget = effort.budget(default_spp);

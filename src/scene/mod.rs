@@ -20,7 +20,7 @@ mod view;
 pub use chain::{Chain, check_white, equal_energy, white_named};
 pub use closure::{Closure, closure};
 pub use files::Files;
-pub use plan::Plan;
+pub use plan::{NOTHING_SHINES, Plan};
 pub use reach::{Unreachable, unreachable, unreachable_by_instrument};
 pub use view::CameraFacts;
 

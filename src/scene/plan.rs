@@ -8,6 +8,9 @@ use crate::material::Material;
 use crate::path::{Roulette, Strategies};
 use crate::spectrum::{GRID_POINTS, WavelengthSampler, between_grid_points};
 
+/// Why a picture is black in every pixel.
+pub const NOTHING_SHINES: &str = "nothing shines: the picture is black";
+
 /// How a scene is to be rendered.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -54,7 +57,7 @@ impl Plan {
         let strategies = needed(scene, strategies, &mut reasons);
         let unreachable = unreachable(scene, &strategies);
         if scene.emitters.iter().all(|emitter| emitter.weight() == 0.0) {
-            reasons.push("nothing shines: the picture is black".into());
+            reasons.push(NOTHING_SHINES.into());
         }
         let lanes_differ = scene.used_materials().any(Material::disperses);
         Self {

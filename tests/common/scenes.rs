@@ -42,11 +42,17 @@ pub fn diffuse() -> Value {
 
 /// A room that is lit through a crack in the lid of a lamp's box alone.
 pub fn crack() -> Value {
+    crack_of(0.008)
+}
+
+/// The same with a crack of half a width in metres.
+pub fn crack_of(wide: f64) -> Value {
     let mut json = diffuse();
+    json["name"] = json!("crack");
     let objects = json["objects"].as_array_mut().expect("objects");
     let lid = |vertices: [[f64; 3]; 4]| json!({ "shape": { "quad": { "vertices": vertices } }, "material": "white" });
-    // The lamp hangs at 1.99 m; the lid under it leaves 16 mm by 10 cm free.
-    let (low, high, wide) = (-1.0, 1.0, 0.008);
+    // The lamp hangs at 1.99 m; the lid under it leaves this by 10 cm free.
+    let (low, high) = (-1.0, 1.0);
     for [x, z] in [[low, -wide], [wide, high]] {
         objects.push(lid([[x, 1.9, low], [z, 1.9, low], [z, 1.9, high], [x, 1.9, high]]));
     }
@@ -153,7 +159,7 @@ pub fn many_lamps() -> Value {
     let mut scene = room("many-lamps", materials, things);
     let point = |i: u32| {
         let mut light = json!({ "point": { "position": at(i), "emission": daylight(6.0) } });
-        if i % 2 == 0 {
+        if i.is_multiple_of(2) {
             light["point"]["distribution"] = json!({ "cosine": { "axis": [0.2, -1, 0.1] } });
         }
         light
