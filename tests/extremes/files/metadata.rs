@@ -62,6 +62,8 @@ pub fn a_picture_carries_all_that_it_was_made_with(record: &mut Record) {
         ("samples per pixel", "/samples_per_pixel", 4.0),
         ("seed", "/seed", 7.0),
         ("samples that were not finite", "/non_finite_samples", 0.0),
+        ("share of the energy truncated", "/truncation/energy_truncated", 0.0),
+        ("walks that this is known from", "/truncation/walks", 16.0 * 12.0 * 4.0),
     ] {
         record.exactly(what, number(&facts, pointer), truth);
     }
@@ -72,7 +74,7 @@ pub fn a_picture_carries_all_that_it_was_made_with(record: &mut Record) {
     record.says("plan", &plan, "pinhole: no lens sampling");
     let commit = facts["git_hash"].as_str().map(|hash| hash.trim_end_matches("-changed").to_owned());
     match head() {
-        Some(head) => record.exactly("commit", commit.unwrap_or("none".into()), head),
+        Some(head) => record.holds("the commit that is checked out", commit == Some(head)),
         // A published copy knows the commit that it was made from, any other copy none.
         None => record.holds("no commit, or a whole one", commit.is_none_or(|commit| commit.len() == 40)),
     }
