@@ -105,7 +105,10 @@ mod tests {
         assert_eq!(text_of("\u{feff}é".as_bytes()), Ok("é"));
         assert_eq!(place(b"\xff\xfe{\0"), (Some(1), Some(1)));
         assert_eq!(place(b"\x1f\x8b\x08"), (Some(1), Some(1)));
-        assert_eq!(place("é\nü".as_bytes().iter().chain(b"\xe9").copied().collect::<Vec<_>>().as_slice()), (Some(2), Some(2)));
+        assert_eq!(
+            place("é\nü".as_bytes().iter().chain(b"\xe9").copied().collect::<Vec<_>>().as_slice()),
+            (Some(2), Some(2))
+        );
     }
 
     #[cfg(target_os = "linux")]

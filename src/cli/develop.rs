@@ -201,7 +201,8 @@ fn read_matrix(file: &Path) -> Result<Matrix> {
     const EXAMPLE: &str = "for example {\"to\": \"srgb\", \"rows\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}";
     /// A matrix has a few hundred characters.
     const MOST_BYTES: u64 = 1 << 20;
-    let bytes = input::read_bytes_or_pipe(file, MOST_BYTES).map_err(|e| Error::io(file, "read the matrix", &e))?;
+    let bytes =
+        input::read_bytes_or_pipe(file, MOST_BYTES).map_err(|e| Error::io(file, "read the matrix", &e))?;
     let text = input::text_of(&bytes).map_err(|e| e.in_file(file))?;
     // A list of the fields' values would pass for an object of them.
     if text.trim_start().starts_with('[') {

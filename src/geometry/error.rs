@@ -134,7 +134,9 @@ impl MeshFault {
             Self::Count { .. } => "the file is cut short or its header wrong; write it anew",
             Self::NoDirection => "compute the normals anew, or write the mesh without them",
             Self::Empty => "check the mesh, or write it anew with its faces",
-            Self::Syntax(_) | Self::NoSuchVertex { .. } | Self::NotFinite => "check the mesh, or write it anew",
+            Self::Syntax(_) | Self::NoSuchVertex { .. } | Self::NotFinite => {
+                "check the mesh, or write it anew"
+            }
         }
     }
 }

@@ -9,10 +9,11 @@ use super::words::{column, words};
 use super::{Mesh, MeshFault, MeshFileError};
 use crate::input::packed;
 use glam::DVec3;
-use ply_rs_bw::parser::{Parser, Reader};
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
 };
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Reads the contents of a PLY file; polygons become fans of triangles around their first
@@ -39,12 +40,7 @@ fn read(bytes: &[u8]) -> Result<Mesh, Fault> {
         return Err(((1, 1), MeshFault::Packed(kind)));
     }
     let mut reader = Reader::new(bytes);
-    let header = Parser::<Item>::new().read_header(&mut reader).map_err(|error| {
-        let line = error.line().unwrap_or(1);
-        // The message repeats the line number in front of the first line of its explanation.
-        let text = error.to_string();
-        ((line, 1), syntax(text.trim_start_matches(&format!("Line {line}: "))))
-    })?;
+    let header = Parser::<Item>::new().read_header(&mut reader).map_err(|e| header_fault(bytes, &e))?;
     let rest = *reader.get_ref();
     let head = &bytes[..bytes.len() - rest.len()];
     let lines_read = head.iter().filter(|&&byte| byte == b'\n').count();
@@ -62,6 +58,22 @@ fn read(bytes: &[u8]) -> Result<Mesh, Fault> {
         return Err(((line_of(head, "face"), 1), MeshFault::Empty));
     }
     Ok(mesh)
+}
+
+/// Why a header cannot be read, in words of the file's.
+fn header_fault(bytes: &[u8], error: &ParseError) -> Fault {
+    let number = error.line().unwrap_or(1);
+    let line = bytes.split(|&byte| byte == b'\n').nth(number - 1).unwrap_or_default();
+    let what = if !bytes.starts_with(b"ply") {
+        "the file does not begin with \"ply\"".to_owned()
+    } else if error.kind() == ErrorKind::UnexpectedEof {
+        "the header does not end with \"end_header\"".to_owned()
+    } else if error.line().is_none() {
+        "the header has no line \"format\"".to_owned()
+    } else {
+        format!("the header's line \"{}\" is not understood", String::from_utf8_lossy(line).trim())
+    };
+    ((number, 1), MeshFault::Syntax(what))
 }
 
 /// Adds an item to the mesh; a fault names the property that it is in, and which number of its
@@ -122,14 +134,18 @@ impl Payload<'_> {
         mut take: impl FnMut(&Item) -> Result<(), (&'static str, usize, MeshFault)>,
     ) -> Result<(), Fault> {
         let parser = Parser::<Item>::new();
-        let numbered =
-            |what: &dyn std::fmt::Display| syntax(&format!("\"{}\" number {number}: {what}", element.name));
+        let numbered = |what: &dyn std::fmt::Display| {
+            MeshFault::Syntax(format!("{what}, in number {number} of \"{}\" counted from 0", element.name))
+        };
         let read = match self.encoding {
             Encoding::Ascii => return self.next_line(element, number, take),
             Encoding::BinaryBigEndian => parser.read_big_endian_element(&mut self.rest, element),
             Encoding::BinaryLittleEndian => parser.read_little_endian_element(&mut self.rest, element),
         };
-        let item = read.map_err(|error| (announced, numbered(&error)))?;
+        let item = read.map_err(|error| match error.kind() {
+            ErrorKind::UnexpectedEof => (announced, numbered(&"the file ends within an item")),
+            _ => (announced, numbered(&NO_INDEX)),
+        })?;
         take(&item).map_err(|(_, _, what)| match what {
             what @ MeshFault::NoSuchVertex { .. } => (announced, what),
             what => (announced, numbered(&what)),
@@ -155,9 +171,15 @@ impl Payload<'_> {
         let at = |byte: usize| (self.lines_read, column(line, byte));
         let item = Parser::<Item>::new().read_ascii_element(line, element).map_err(|error| {
             let no_number = |word: &str| !word.parse::<f64>().is_ok_and(f64::is_finite);
-            match words(line).find(|(_, word)| no_number(word)) {
-                Some((byte, word)) => (at(byte), MeshFault::Syntax(format!("\"{word}\" is not a finite number"))),
-                None => (at(line.len()), syntax(&error.to_string())),
+            let no_index = |word: &str| word.parse::<u32>().is_err();
+            let is_index = error.kind() == ErrorKind::InvalidData;
+            if let Some((byte, word)) = words(line).find(|(_, word)| no_number(word)) {
+                (at(byte), MeshFault::Syntax(format!("\"{word}\" is not a finite number")))
+            } else if let Some((byte, _)) = words(line).find(|(_, word)| is_index && no_index(word)) {
+                (at(byte), MeshFault::Syntax(NO_INDEX.to_owned()))
+            } else {
+                let what = format!("the numbers are not those of \"{}\" in the header", element.name);
+                (at(line.len()), MeshFault::Syntax(what))
             }
         })?;
         take(&item).map_err(|(property, place, what)| {
@@ -227,10 +249,8 @@ fn is_meant(name: &str, property: &str) -> bool {
     name == property || (INDICES.contains(&name) && INDICES.contains(&property))
 }
 
-/// The library's message on one line.
-fn syntax(text: &str) -> MeshFault {
-    MeshFault::Syntax(text.split_whitespace().collect::<Vec<_>>().join(" "))
-}
+/// What is wrong with a vertex that a face names by no number.
+const NO_INDEX: &str = "a vertex number is negative or not whole";
 
 /// A vertex or a face, whichever its properties say.
 #[derive(Default)]

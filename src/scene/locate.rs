@@ -50,7 +50,8 @@ fn repeated_in<'a>(value: &'a Value<'_>, path: &mut Vec<String>) -> Option<(&'a 
     match value {
         Value::Object(object) => {
             let mut seen = std::collections::HashSet::new();
-            if let Some(property) = object.properties.iter().find(|property| !seen.insert(name_of(property))) {
+            if let Some(property) = object.properties.iter().find(|property| !seen.insert(name_of(property)))
+            {
                 return Some((name_of(property), property.start()));
             }
             object.properties.iter().find_map(|property| {

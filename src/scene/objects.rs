@@ -9,8 +9,7 @@ use super::spectra::Spectra;
 use super::{Meter, MeterKind, SceneObject};
 use crate::error::{Error, Result};
 use crate::geometry::{
-    Geometry, GeometryBuilder, Mesh, MeshFileError, Primitive, Shape, ShapeError, SurfacePoint,
-    Transform,
+    Geometry, GeometryBuilder, Mesh, MeshFileError, Primitive, Shape, ShapeError, SurfacePoint, Transform,
 };
 use crate::light::power::{self, EmitterShape};
 use crate::light::{AreaLight, Distribution, EmitterFacts, Light, Lights, PointLight, Profile};

@@ -174,6 +174,9 @@ fn plain_words(message: &str) -> String {
     };
     let expected = match expected {
         "f64" => "a number",
+        "u32" if found.rsplit(' ').next().is_some_and(|n| n.parse::<u64>().is_ok()) => {
+            "a whole number below 4294967296"
+        }
         "u32" => "a whole number from 0 up",
         "a sequence" => "a list",
         "a map" => "an object",

@@ -86,9 +86,10 @@ impl<'a> Spectra<'a> {
         if high <= 1.0 {
             return Ok(curve);
         }
-        Err(place(Error::new(format!("a transmission of {high} is above 1")).hint(
-            "a transmission lies between 0 and 1; use \"factor\": 0.01 for a table in per cent",
-        )))
+        Err(place(
+            Error::new(format!("a transmission of {} is above 1", short(high)))
+                .hint("a transmission lies between 0 and 1; use \"factor\": 0.01 for a table in per cent"),
+        ))
     }
 
     /// A detector's response: not negative, zero outside a table.
@@ -103,12 +104,13 @@ impl<'a> Spectra<'a> {
         let curve = self.curve(spectrum)?;
         let (low, high) = curve.extremes();
         if low < 0.0 {
-            let fault = Error::new(format!("a reflectance of {low} is negative"))
-                .hint("a reflectance lies between 0 and 1; measured noise below zero is clipped in the table");
+            let fault = Error::new(format!("a reflectance of {} is negative", short(low))).hint(
+                "a reflectance lies between 0 and 1; measured noise below zero is clipped in the table",
+            );
             return Err(self.pointed(spectrum, fault, &|value| value == low));
         }
         if high.is_nan() || high > 1.0 {
-            let fault = Error::new(format!("a reflectance of {high} is above 1"))
+            let fault = Error::new(format!("a reflectance of {} is above 1", short(high)))
                 .hint("a reflectance lies between 0 and 1; use \"factor\": 0.01 for a table in per cent");
             return Err(self.pointed(spectrum, fault, &|value| value == high));
         }
@@ -490,6 +492,11 @@ fn table_of(wavelengths_nm: &[f64], values: &[f64], values_key: &str, outside: O
         .under("wavelengths_nm"));
     }
     Table::new(wavelengths_nm.to_vec(), values.to_vec(), outside)
+}
+
+/// A number as it may have been written, without a row of zeros.
+fn short(value: f64) -> String {
+    if (1e-4..1e7).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// Whether all values of a curve lie between 0 and `largest`.

@@ -115,10 +115,16 @@ impl CsvTable {
         for (index, (column, name)) in cells(line).enumerate() {
             if name.parse::<f64>().is_ok() {
                 let fault = Error::new("the first row must name the columns");
-                return at(fault.hint("write a header row such as wavelength_nm,value above the numbers"), column);
+                return at(
+                    fault.hint("write a header row such as wavelength_nm,value above the numbers"),
+                    column,
+                );
             }
             if self.columns.iter().any(|earlier| earlier == name) {
-                return at(Error::new(format!("two columns are called \"{name}\"")).hint("rename one"), column);
+                return at(
+                    Error::new(format!("two columns are called \"{name}\"")).hint("rename one"),
+                    column,
+                );
             }
             if index == MOST_COLUMNS {
                 let fault = Error::new(format!("more than {MOST_COLUMNS} columns"));
