@@ -211,7 +211,7 @@ faults! {
     filters_alike: ":28:31", "/camera/sensor/filter_set/filters", "two filters are called B", "rename one";
     filters_none: ":28:31", "/camera/sensor/filter_set/filters", "the filter set is empty", "a transmission for each channel";
     flat_field_missing: ":28:35", "/camera/vignetting/flat_field/file", "cannot read \"nowhere.png\"", "relative to the scene's folder";
-    flat_field_no_picture: "nan.csv", "/camera/vignetting/flat_field/file", "cannot be decoded", "linear in light";
+    flat_field_no_picture: ":28:35", "/camera/vignetting/flat_field/file", "cannot be decoded", "linear in light";
     full_well_0: ":28:48", "/camera/electronics/full_well_electrons", "0 is not a positive number", "30000";
     gain_without_bits: ":28:48", "/camera/electronics/electrons_per_dn", "a gain without digital values", "add bit_depth";
     gamma_0: ":28:30", "/camera/development/tone/gamma", "a gamma of 0 is not a positive number", "2.2";
@@ -283,8 +283,9 @@ faults! {
     obj_unknown_statement: "unknown-statement.obj:4:1", "/objects/0/shape/obj/file", "unknown statement \"curve\"", "check the mesh, or write it";
     obj_packed: "packed.obj:1:1", "/objects/0/shape/obj/file", "the file is packed (gzip)", "unpack it and name the file";
     obj_of_bytes: "of-bytes.obj:1:1", "/objects/0/shape/obj/file", "unknown statement \"\\u{b}0Uz", "check the mesh, or write it";
+    obj_length_of_1e39: ":13:25", "/objects/0/shape/obj/file", "\"length-of-1e39.obj\": a length of 1e39 is too large", "check the number";
     mesh_is_a_device: ":13:25", "/objects/0/shape/obj/file", "cannot read \"/dev/zero\": it is a device, not a file", "save what it gives to a";
-    mesh_is_a_folder: ":13:25", "/objects/0/shape/ply/file", "cannot read \"../files\": is a directory", "name a file, not a folder";
+    mesh_is_a_folder: ":13:25", "/objects/0/shape/ply/file", "cannot read \"../files\": Is a directory", "name a file, not a folder";
 }
 
 fn check_fault(test: &str, place: &str, pointer: &str, what: &str, remedy: &str) {

@@ -228,8 +228,10 @@ fn vignetting(
         VignettingFile::FlatField { file } => {
             let at = |e: Error| e.under("file").under("flat_field");
             let (path, bytes) = spectra.read_file(file, Kind::Picture).map_err(at)?;
-            let (size, levels) = read_levels(&path, &bytes).map_err(|e| at(e.in_file(&path)))?;
-            let field = FlatField::new(size, levels, half_extent).map_err(|e| at(e.in_file(&path)))?;
+            // A picture has no lines: its faults stand where the scene names it.
+            let named = |e: Error| at(Error { message: format!("\"{file}\": {}", e.message), ..e });
+            let (size, levels) = read_levels(&path, &bytes).map_err(named)?;
+            let field = FlatField::new(size, levels, half_extent).map_err(named)?;
             let channel = FLAT_FIELD_CHANNEL.to_owned();
             Ok((Vignetting::FlatField { file: file.clone(), channel }, Some(field)))
         }

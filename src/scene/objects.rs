@@ -189,7 +189,8 @@ impl<'a> Stage<'a> {
             let largest = position.abs().max_element();
             *position = self.metres(position.to_array());
             if position.abs().max_element() > FARTHEST_M {
-                return Err(too_far(largest).in_file(&path));
+                let fault = too_far(largest);
+                return Err(Error { message: format!("\"{file}\": {}", fault.message), ..fault });
             }
         }
         Ok(Shape::Mesh(mesh))
