@@ -86,18 +86,15 @@ pub struct ColourTemperature {
 pub fn colour_temperature(xy: [f64; 2]) -> Option<ColourTemperature> {
     const GOLDEN: f64 = 0.618_033_988_749_895;
     const FARTHEST: f64 = 0.05;
+    /// The locus at the reciprocal temperatures of the coarse scan: a scene may have thousands
+    /// of lamps, each of which needs them all.
+    static COARSE: LazyLock<Vec<(f64, [f64; 2])>> =
+        LazyLock::new(|| (10..=1000).step_by(15).map(f64::from).map(|mired| (mired, locus(mired))).collect());
     let target = uv_1960(xy);
-    let locus = |mired: f64| {
-        let body = Curve::Blackbody(Kelvin(1e6 / mired));
-        uv_1960(chromaticity_of(&body).expect("a black body has a chromaticity"))
-    };
-    let distance = |mired: f64| {
-        let [u, v] = locus(mired);
-        (u - target[0]).hypot(v - target[1])
-    };
+    let apart = |[u, v]: [f64; 2]| (u - target[0]).hypot(v - target[1]);
+    let distance = |mired: f64| apart(locus(mired));
     // A coarse scan first: the distance has more than one minimum over the whole range.
-    let coarse = (10..=1000).step_by(15).map(f64::from);
-    let best = coarse.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
+    let (best, _) = *COARSE.iter().min_by(|(_, a), (_, b)| apart(*a).total_cmp(&apart(*b)))?;
     let (mut low, mut high) = ((best - 15.0).max(10.0), (best + 15.0).min(1000.0));
     while high - low > 1e-4 {
         let span = (high - low) * GOLDEN;
@@ -111,6 +108,12 @@ pub fn colour_temperature(xy: [f64; 2]) -> Option<ColourTemperature> {
     let duv = distance(mired).copysign(target[1] - locus(mired)[1]);
     (duv.abs() <= FARTHEST && mired > 10.5 && mired < 999.5)
         .then_some(ColourTemperature { kelvin: Kelvin(1e6 / mired), duv })
+}
+
+/// CIE 1960 (u, v) of a black body of 1e6 K over `mired`.
+fn locus(mired: f64) -> [f64; 2] {
+    let body = Curve::Blackbody(Kelvin(1e6 / mired));
+    uv_1960(chromaticity_of(&body).expect("a black body has a chromaticity"))
 }
 
 /// Linear sRGB (ITU-R BT.709 primaries, D65 white) from XYZ on the same scale; values
