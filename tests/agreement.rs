@@ -55,8 +55,9 @@ fn assert_agree(json: &Value, path_spp: u64, bdpt_spp: u64, light_spp: Option<u6
 }
 
 macro_rules! agree {
-    ($($test:ident: $scene:ident, $path:expr, $bdpt:expr, $light:expr;)*) => {$(
+    ($($(#[$mark:meta])* $test:ident: $scene:ident, $path:expr, $bdpt:expr, $light:expr;)*) => {$(
         #[test]
+        $(#[$mark])*
         fn $test() {
             assert_agree(&scenes::$scene(), $path, $bdpt, $light);
         }
@@ -76,6 +77,8 @@ agree! {
     a_large_panel: large_panel, 352, 176, Some(4000);
     a_point_light: point_light, 512, 256, Some(4000);
     a_light_in_glass: light_in_glass, 512, 256, None;
+    // The room after it without absorption: what could differ here alone is that media are not tracked.
+    #[ignore = "three minutes for what case 34 of the extremes and absorbing glass hold as well; --ignored runs it"]
     a_camera_in_glass: camera_in_glass, 3200, 1600, None;
     a_camera_in_absorbing_glass: camera_in_absorbing_glass, 2816, 1408, None;
     smooth_normals_on_flat_faces: smooth_normals, 224, 112, Some(4000);

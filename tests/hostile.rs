@@ -249,3 +249,20 @@ fn a_picture_whose_header_announces_more_than_it_holds_is_refused() {
     assert_eq!(developed.status.code(), Some(2), "{message}");
     assert!(message.matches('\n').count() == 1 && message.contains("out.exr: "), "{message}");
 }
+
+#[test]
+fn a_picture_that_no_machine_holds_is_refused_before_it_is_begun() {
+    let folder = folder("picture");
+    let (file, _) = scene(&folder, r#""objects": []"#);
+    let out = folder.join("out.exr");
+    let [file, out] = [&file, &out].map(|path| path.to_str().expect("UTF-8"));
+    let size = ["--resolution", "16384x16384", "--spectral-layers", "470", "--spp", "1"];
+    let words = [&["render", file, "-o", out], &size[..]].concat();
+    let started = Instant::now();
+    let output = within(PROGRAM_KIB, &words);
+    assert!(started.elapsed() < PROMPT);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    let last = message.lines().last().unwrap_or_default();
+    assert!(last.starts_with("error: a film of 16384 x 16384 pixels with 473 channels takes "), "{message}");
+}

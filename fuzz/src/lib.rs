@@ -3,6 +3,8 @@
 //! The fuzz targets and `tests/fuzz_corpus.rs` call the same functions: a reader may refuse
 //! any bytes, in one line, but neither panic nor hand on what later steps cannot hold.
 
+pub mod checkpoint;
+
 use etalon::error::Error;
 use etalon::geometry::{GeometryBuilder, Mesh, MeshFileError, Shape, Transform, parse_obj, parse_ply};
 use etalon::image::{parse_exr, read_levels};

@@ -6,6 +6,7 @@ mod checkpoint;
 mod develop;
 mod faults;
 mod measure;
+mod memory;
 mod progress;
 mod render;
 mod replay;

@@ -3,6 +3,7 @@
 use super::arguments::Effort;
 use super::checkpoint::Keeping;
 use super::faults;
+use super::memory;
 use super::strategies;
 use clap::Args;
 use etalon::camera::{Camera, Darkroom, planes};
@@ -94,7 +95,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     }
     if let Some(folder) = &arguments.strategies {
         strategies::prepare(folder)?;
-        check_memory(&view, strategies::FILMS)?;
+        memory::check(&view, strategies::FILMS * memory::NUMBERS_OF_SAMPLES)?;
     }
     let files = Files {
         exr: &arguments.output,
@@ -250,7 +251,7 @@ pub fn render_to_files(
     default_spp: u64,
     files: &Files<'_>,
 ) -> anyhow::Result<Facts> {
-    check_memory(view, 1)?;
+    memory::check(view, memory::numbers_per_value(effort.integrator(), &effort.budget(default_spp)))?;
     let integrator = effort.integrator();
     let plan = effort.plan(scene, &view.sensor);
     if !plan.unreachable.is_empty() {
@@ -294,22 +295,4 @@ pub fn render_to_files(
         write_developed(png, &darkroom, &label).map_err(|e| watch.reassure(e))?;
     }
     Ok(facts)
-}
-
-/// Refuses a film that no machine of today would hold.
-fn check_memory(view: &View, films: u64) -> etalon::error::Result<()> {
-    /// Bytes that a film may take.
-    const MOST_BYTES: u64 = 64 << 30;
-    let [width, height] = view.camera.resolution().map(u64::from);
-    let values = films * width * height * view.sensor.channels.len() as u64;
-    let bytes = values * std::mem::size_of::<etalon::camera::BlockStatistics>() as u64;
-    if bytes <= MOST_BYTES {
-        return Ok(());
-    }
-    let channels = view.sensor.channels.len();
-    Err(etalon::error::Error::new(format!(
-        "a film of {width} x {height} pixels with {channels} channels takes {} GiB",
-        bytes >> 30
-    ))
-    .hint("ask for fewer pixels or fewer spectral layers"))
 }

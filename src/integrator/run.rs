@@ -312,13 +312,7 @@ fn end_with(decided: &Half, going_on: &mut Half) {
     }
 }
 
-/// Processor time of this process in seconds, user and system, from Linux's `/proc`.
+/// Processor time of this process in seconds, user and system, where the system tells.
 pub(crate) fn cpu_seconds() -> Option<f64> {
-    /// Clock ticks per second that Linux reports to programs on every architecture.
-    const TICKS_PER_SECOND: f64 = 100.0;
-    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The command name in parentheses may hold spaces; fields are counted after it.
-    let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
-    let ticks = |index: usize| fields.get(index)?.parse::<f64>().ok();
-    Some((ticks(11)? + ticks(12)?) / TICKS_PER_SECOND)
+    cpu_time::ProcessTime::try_now().ok().map(|time| time.as_duration().as_secs_f64())
 }
