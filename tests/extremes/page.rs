@@ -61,6 +61,7 @@ fn text(entries: &[Entry]) -> String {
     let lines = entries.iter().map(|(_, _, record)| record.lines.len()).sum::<usize>();
     let numbers = (1..=CATALOGUE).filter(|n| entries.iter().any(|(_, case, _)| case.number == *n)).count();
     let _ = writeln!(text, "\n{numbers} cases, {} tests, {lines} quantities.", entries.len());
+    summary(&mut text, entries);
     for group in &GROUPS {
         let _ = writeln!(text, "\n## {}", group.title);
         for (_, case, record) in entries.iter().filter(|(of, ..)| of.name == group.name) {
@@ -68,6 +69,31 @@ fn text(entries: &[Entry]) -> String {
         }
     }
     text
+}
+
+/// Group by group, how near to its limit the nearest quantity came.
+fn summary(text: &mut String, entries: &[Entry]) {
+    let _ =
+        writeln!(text, "\n| group | tests | quantities | with a bound | most of a bound used | by case |");
+    let _ = writeln!(text, "|---|---|---|---|---|---|");
+    for group in &GROUPS {
+        let of_group = || entries.iter().filter(|(of, ..)| of.name == group.name);
+        let lines =
+            || of_group().flat_map(|(_, case, record)| record.lines.iter().map(move |line| (case, line)));
+        let used = || lines().filter_map(|(case, line)| Some((line.used?, case.number)));
+        let (most, number) = used().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+        let counts = [of_group().count(), lines().count(), used().count()];
+        let [tests, quantities, bounded] = counts.map(|count| count.to_string());
+        let cells = [
+            group.title,
+            &tests,
+            &quantities,
+            &bounded,
+            &format!("{:.0} %", 100.0 * most),
+            &number.to_string(),
+        ];
+        let _ = writeln!(text, "| {} |", cells.join(" | "));
+    }
 }
 
 fn entry(text: &mut String, case: &Case, record: &Record) {
@@ -88,10 +114,28 @@ fn entry(text: &mut String, case: &Case, record: &Record) {
     }
 }
 
+/// Words that a name in Rust cannot spell.
+const SPELLINGS: [(&str, &str); 11] = [
+    ("another run s", "another run's"),
+    ("brewsters", "Brewster's"),
+    ("boltzmann", "Boltzmann"),
+    ("d65", "D65"),
+    ("iso", "ISO"),
+    ("jeans", "Jeans"),
+    ("nan", "NaN"),
+    ("planckian", "Planckian"),
+    ("rayleigh", "Rayleigh"),
+    ("rgb", "RGB"),
+    ("stefan", "Stefan"),
+];
+
 /// The name of a case as a sentence.
 fn sentence(case: &Case) -> String {
-    let words = case.name.replace('_', " ");
-    let mut letters = words.chars();
+    let words = format!(" {} ", case.name.replace('_', " "));
+    let words = SPELLINGS
+        .iter()
+        .fold(words, |words, (plain, right)| words.replace(&format!(" {plain} "), &format!(" {right} ")));
+    let mut letters = words.trim().chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 

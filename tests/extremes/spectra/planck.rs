@@ -55,8 +55,8 @@ pub fn a_temperature_that_is_none_is_refused_where_it_stands(record: &mut Record
         ("negative", "-273.15", "a temperature of -273.15 K is not positive"),
         ("infinite", "1e999", "too large"),
         ("absurd", "1e100", "too large"),
-        ("nan", "NaN", ""),
-        ("null", "null", ""),
+        ("nan", "NaN", "write a finite number"),
+        ("null", "null", "null where a number belongs"),
     ] {
         let scene = format!(
             "{{\n\"name\": \"body\",\n\"length_unit\": \"m\",\n\"lights\": [{{\"point\": {{\n\"position\": [0, 0, 0],\n\
