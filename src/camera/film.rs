@@ -188,13 +188,19 @@ impl Film {
         both
     }
 
+    /// Whether no pixel has received any light.
+    pub fn is_black(&self) -> bool {
+        self.statistics.iter().all(|statistic| statistic.sum == 0.0)
+    }
+
     /// Number of pixels.
     pub const fn pixels(&self) -> usize {
         self.resolution[0] as usize * self.resolution[1] as usize
     }
 
     /// Estimated relative error of the luminance image: root of the mean over pixels of
-    /// variance / (luminance^2 + (1 % of the mean)^2). `None` before two blocks.
+    /// variance / (luminance^2 + (1 % of the mean)^2). `None` before two blocks, and of a black
+    /// picture: light that was not found has an error that nobody knows.
     pub fn relative_error(&self) -> Option<f64> {
         const LUMINANCE: usize = 1;
         if self.blocks < 2 {
@@ -204,7 +210,7 @@ impl Film {
         let mean = (0..pixels).map(|p| self.mean(p, LUMINANCE)).sum::<f64>() / pixels as f64;
         let floor = (0.01 * mean).powi(2);
         if floor == 0.0 {
-            return Some(0.0);
+            return None;
         }
         let ratio = |p| self.standard_error(p, LUMINANCE).powi(2) / (self.mean(p, LUMINANCE).powi(2) + floor);
         Some(((0..pixels).map(ratio).sum::<f64>() / pixels as f64).sqrt())

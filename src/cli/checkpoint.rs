@@ -14,7 +14,7 @@ use etalon::image::checkpoint::{self, Identity};
 use etalon::integrator::{Budget, Progress, State};
 use etalon::scene::View;
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -60,14 +60,9 @@ impl Keeping {
     /// Refuses, before hours of work, what cannot be kept.
     ///
     /// # Errors
-    /// Where the file cannot be written, is an `output` too, or would be lost.
-    pub fn check(&self, output: &Path) -> Result<()> {
+    /// Where the file cannot be written, or would be lost.
+    pub fn check(&self) -> Result<()> {
         let Some(file) = &self.checkpoint else { return Ok(()) };
-        if file == output {
-            return Err(Error::new("the checkpoint would overwrite the output")
-                .hint("choose another name")
-                .in_file(file));
-        }
         if file.exists() && !self.resume {
             return Err(Error::new("there is a checkpoint already")
                 .hint("add --resume to go on from it, or remove it to begin anew")

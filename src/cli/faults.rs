@@ -1,5 +1,5 @@
-//! What a render or a reading must not pass over: samples that were not finite, and paths that
-//! were cut off. Warnings, or under `--strict` errors that end in exit code 3.
+//! What a render or a reading must not pass over: samples that were not finite, paths that were
+//! cut off, and light of which none was found. Warnings, or under `--strict` errors that end in exit code 3.
 
 use etalon::image::Facts;
 use etalon::integrator::{Reading, Truncation};
@@ -27,11 +27,18 @@ pub fn tell(facts: &Facts, scene: &Path, output: &Path, strict: bool) -> bool {
         );
         name(&facts.non_finite, scene, &output.display().to_string());
     }
-    let sound = tell_truncation(facts.truncation.as_ref(), word, "");
-    if strict && !(sound && facts.non_finite_samples == 0) {
+    if facts.no_light_found {
+        eprintln!(
+            "{word}: the picture is black: lamps shine, and {} samples per pixel found none of their light; use --integrator mlt, or larger lamps",
+            facts.samples_per_pixel
+        );
+    }
+    let is_finite = tell_truncation(facts.truncation.as_ref(), word, "");
+    let is_sound = is_finite && facts.non_finite_samples == 0 && !facts.no_light_found;
+    if strict && !is_sound {
         eprintln!("error: {} was written all the same, and says so", output.display());
     }
-    sound && facts.non_finite_samples == 0
+    is_sound
 }
 
 /// Tells what is wrong with a reading; whether nothing is.

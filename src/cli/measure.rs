@@ -103,6 +103,13 @@ fn units(reading: &Reading) -> [&'static str; 2] {
 
 fn as_text(reading: &Reading) -> String {
     let [photometric, radiant] = units(reading);
+    if reading.truncation.divergence.is_some() {
+        // What was cut off is missing: an interval would say that the value lies within.
+        return format!(
+            "{:<20} at least {:.6} {photometric}   at least {:.6} {radiant} (360-830 nm)   paths cut off",
+            reading.name, reading.photometric.mean, reading.radiant.mean
+        );
+    }
     format!(
         "{:<20} {:>12.6} +- {:.6} {photometric}   {:>12.6} +- {:.6} {radiant} (360-830 nm)   95 %",
         reading.name,

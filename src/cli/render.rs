@@ -12,9 +12,9 @@ use etalon::image::checkpoint::Identity;
 use etalon::image::{
     DEVELOPED_ENDINGS, Facts, Label, Layers, Stopping, write_developed, write_exr, write_text,
 };
-use etalon::integrator::{Integrator, Rendering};
+use etalon::integrator::{Budget, Integrator, Rendering};
 use etalon::metropolis::Outcome;
-use etalon::scene::conditions::{ORDINARY_SPP, conditions, in_short};
+use etalon::scene::conditions::{Condition, Kind, ORDINARY_SPP, conditions, in_short};
 use etalon::scene::{NOTHING_SHINES, Plan, Scene, View};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -71,7 +71,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if let Some(report) = &arguments.report {
         check_output(report, &["json"], "the report is a JSON file")?;
     }
-    arguments.keeping.check(&arguments.output)?;
+    check_distinct(arguments)?;
+    arguments.keeping.check()?;
     if arguments.strategies.is_some() && arguments.effort.integrator() == Integrator::Mlt {
         return Err(Error::new("a chain's path belongs to no single strategy")
             .hint("use --strategies with --integrator bdpt, whose strategies mlt shares")
@@ -234,6 +235,37 @@ pub(super) fn check_place(file: &Path) -> Result<()> {
     attempt.map_err(|e| Error::io(file, "write to this folder", &e))
 }
 
+/// Refuses two outputs in one file.
+fn check_distinct(arguments: &Arguments) -> Result<()> {
+    let Arguments { output, png, report, keeping, .. } = arguments;
+    let named = [
+        ("the picture", Some(output)),
+        ("the developed picture", png.as_ref()),
+        ("the report", report.as_ref()),
+        ("the checkpoint", keeping.checkpoint.as_ref()),
+    ];
+    let mut taken: Vec<(&str, PathBuf)> = Vec::new();
+    for (what, file) in named {
+        let Some(file) = file else { continue };
+        let place = place_of(file);
+        if let Some((other, _)) = taken.iter().find(|(_, there)| *there == place) {
+            let fault = format!("{what} would overwrite {other}");
+            return Err(Error::new(fault).hint("choose another name").in_file(file));
+        }
+        taken.push((what, place));
+    }
+    Ok(())
+}
+
+/// Where a file is, however it is spelt.
+fn place_of(file: &Path) -> PathBuf {
+    let folder =
+        file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+    let whole = file.canonicalize().ok();
+    let named = || Some(folder.canonicalize().ok()?.join(file.file_name()?));
+    whole.or_else(named).unwrap_or_else(|| file.to_owned())
+}
+
 /// What a render is written to.
 pub struct Files<'a> {
     pub exr: &'a Path,
@@ -241,6 +273,19 @@ pub struct Files<'a> {
     pub layers: Layers,
     /// Where it is kept on the way, if anywhere.
     pub keeping: Option<&'a Keeping>,
+}
+
+/// Warns of what makes a render take very long, before it does.
+fn warn_of_cost(conditions: &[Condition]) {
+    /// The condition that may cost a thousand times more; others cost a little.
+    const HIGH_ALBEDO: &str = "high_albedo";
+    let costs = conditions.iter().flat_map(|condition| {
+        let costs = condition.effect.iter().filter(|effect| effect.kind == Kind::Cost);
+        costs.map(move |effect| (condition, effect))
+    });
+    for (condition, effect) in costs.filter(|(condition, _)| condition.name == HIGH_ALBEDO) {
+        eprintln!("warning: {}: {}", condition.place, effect.what);
+    }
 }
 
 /// Renders a view and writes the files; the facts that went into them come back.
@@ -257,11 +302,18 @@ pub fn render_to_files(
     if !plan.unreachable.is_empty() {
         eprintln!("warning: {}", missing(&plan, integrator));
     }
-    if plan.reasons.iter().any(|reason| reason == NOTHING_SHINES) {
+    let nothing_shines = plan.reasons.iter().any(|reason| reason == NOTHING_SHINES);
+    if nothing_shines {
         eprintln!("warning: {NOTHING_SHINES}");
     }
     view.record().warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    let budget = effort.budget(default_spp);
+    let conditions = conditions(scene, Some(view));
+    warn_of_cost(&conditions);
+    let mut budget = effort.budget(default_spp);
+    if nothing_shines && budget.is_open() {
+        // No error could be reached, and none is there.
+        budget = Budget { samples_per_pixel: 1, time: None, error: None, ..budget };
+    }
     let identity = Identity::of(scene, view, &plan, integrator, &budget);
     let keeping = files.keeping.cloned().unwrap_or_default();
     let (from, watch) = keeping.begin(identity, view, &budget)?;
@@ -282,7 +334,7 @@ pub fn render_to_files(
         stopping: Stopping { ends, ..Stopping::of(&budget) },
         metropolis,
         truncation: Some(truncation),
-        conditions: conditions(scene, Some(view)),
+        conditions,
         ..Facts::of(scene, view, &plan, integrator, &budget, &film, elapsed)
     };
     let planes = planes(&film, &view.sensor, &view.flat_field());

@@ -48,8 +48,11 @@ pub struct Facts {
     pub notes: Vec<String>,
     /// Extreme conditions of the scene, and what they do to the error to be expected.
     pub conditions: Vec<Condition>,
-    /// Estimated relative error of the luminance picture; `None` from a single block.
+    /// Estimated relative error of the luminance picture; `None` from a single block, and of a
+    /// black picture.
     pub relative_error: Option<f64>,
+    /// Whether lamps shine and none of their light was found.
+    pub no_light_found: bool,
     /// Contributions that were not finite; they count as zero, which biases their pixels by an
     /// unknown amount.
     pub non_finite_samples: u64,
@@ -123,6 +126,7 @@ impl Facts {
             notes: scene.notes.clone(),
             conditions: Vec::new(),
             relative_error: film.relative_error(),
+            no_light_found: film.is_black() && scene.emitters.iter().any(|emitter| emitter.weight() > 0.0),
             non_finite_samples: film.faults.count,
             non_finite: film.faults.named.clone(),
             max_bounces: plan.most_bounces,

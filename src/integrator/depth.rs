@@ -2,7 +2,8 @@
 //!
 //! Between surfaces that lose nothing and let nothing out, light that is fed in grows without
 //! end: the radiance that a picture would show is infinite, and every estimate of it a number
-//! that means nothing. That cannot be read off a list of materials (a lamp, a window or a crack
+//! that means nothing. Where next to nothing is lost it has a value, tens of thousands of times what
+//! is fed in, that no walk reaches in time. That cannot be read off a list of materials (a lamp, a window or a crack
 //! ends it), so walks look for it: where of many long ones hardly any has ended or lost anything, and
 //! all go on finding light, paths are cut off after [`DIVERGENT_BOUNCES`], and it is said.
 
@@ -30,7 +31,7 @@ const WALKS_BESIDE_CHAINS: u32 = 1 << 12;
 /// Names the random numbers of these walks.
 const SEED: u64 = 0x6f64_6570_7468;
 
-/// Evidence that radiance has no finite value where the eye looks.
+/// Evidence that radiance has no finite value where the eye looks, or one that no walk reaches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Divergence {
     /// Walks, each of which was followed for so many bounces, and lost nothing but what rounding
@@ -118,7 +119,7 @@ impl Truncation {
             [self.energy_truncated, self.energy_truncated_at_least].map(|share| 100.0 * share);
         Some(match divergence {
             Some(Divergence { walks: followed, bounces, ended, loss_per_bounce_below }) => format!(
-                "radiance has no finite value here: of {followed} walks of {bounces} bounces {ended} ended and the others lost nothing \
+                "radiance has no finite value here, or one that is out of reach: of {followed} walks of {bounces} bounces {ended} ended and the others lost nothing \
                  (a bounce loses less than {loss_per_bounce_below:.1e}, 95 %), and light is fed in; paths are cut off after \
                  {most} bounces, energy truncated >= {:.1} %; give a surface a reflectance below 1, or an opening",
                 (10.0 * least).floor() / 10.0

@@ -199,6 +199,7 @@ impl State {
             let film = &half.gathered.film;
             let pace = Pace {
                 samples_per_pixel: film.samples_per_pixel(),
+                pixels: film.pixels() as u64,
                 blocks: film.blocks(),
                 seconds: half.seconds,
             };

@@ -23,6 +23,8 @@ use std::time::Duration;
 
 /// Samples per pixel that a half has at least before its error is looked at.
 pub const FEWEST_SAMPLES: u64 = 64;
+/// Paths after which a half that waits for an error gives up, if it has found no light at all.
+const MOST_DARK_PATHS: u64 = 1 << 22;
 /// Blocks that a half has at least: one cannot give an error.
 const FEWEST_BLOCKS: u32 = 2;
 
@@ -51,12 +53,15 @@ pub enum Reason {
     Error,
     /// The other half has used its time.
     Time,
+    /// The other half has found no light in some four million paths.
+    Dark,
 }
 
 /// How far a half has come.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pace {
     pub samples_per_pixel: u64,
+    pub pixels: u64,
     pub blocks: u32,
     /// Seconds that its blocks took.
     pub seconds: f64,
@@ -108,7 +113,12 @@ impl Budget {
             return Some(Reason::Time);
         }
         let target = self.error.filter(|_| pace.samples_per_pixel >= FEWEST_SAMPLES)?;
-        let whole = error()? * std::f64::consts::FRAC_1_SQRT_2;
+        let Some(error) = error() else {
+            let paths = pace.samples_per_pixel.saturating_mul(pace.pixels);
+            let goes_on_else = self.time.is_none() && self.samples_per_pixel == u64::MAX;
+            return (goes_on_else && paths >= MOST_DARK_PATHS).then_some(Reason::Dark);
+        };
+        let whole = error * std::f64::consts::FRAC_1_SQRT_2;
         (whole <= target).then_some(Reason::Error)
     }
 }
@@ -121,7 +131,7 @@ mod tests {
         Budget { samples_per_pixel: 1001, time: Some(Duration::from_secs(10)), error: Some(0.01), seed: 1 };
 
     fn verdict(budget: &Budget, samples_per_pixel: u64, seconds: f64, error: f64) -> Option<Reason> {
-        let pace = Pace { samples_per_pixel, blocks: samples_per_pixel.min(8) as u32, seconds };
+        let pace = Pace { samples_per_pixel, pixels: 1, blocks: samples_per_pixel.min(8) as u32, seconds };
         budget.verdict(pace, 1.0, || Some(error))
     }
 
@@ -136,6 +146,18 @@ mod tests {
         let told = Budget { time: None, error: None, ..OPEN };
         assert_eq!(verdict(&told, 1000, 1e9, 0.0), None);
         assert_eq!(verdict(&told, 1001, 0.0, 1.0), Some(Reason::Samples));
+    }
+
+    #[test]
+    fn a_black_picture_has_no_error_that_could_be_reached() {
+        let endless = Budget { samples_per_pixel: u64::MAX, time: None, ..OPEN };
+        let dark = |budget: &Budget, pixels: u64| {
+            let pace = Pace { samples_per_pixel: 64, pixels, blocks: 8, seconds: 0.0 };
+            budget.verdict(pace, 0.0, || None)
+        };
+        assert_eq!(dark(&endless, MOST_DARK_PATHS / 64 - 1), None);
+        assert_eq!(dark(&endless, MOST_DARK_PATHS / 64), Some(Reason::Dark));
+        assert_eq!(dark(&OPEN, MOST_DARK_PATHS), None, "its samples or its time end it");
     }
 
     #[test]
