@@ -840,8 +840,8 @@ fn extreme_conditions_are_counted_and_explained_on_request() {
     let explained = succeed(["check", "--explain", scene]);
     for part in [
         "extreme    small_emitter (sun)",
-        "  noise      path: ",
-        "  remedy     --integrator mlt",
+        "  noise       path: ",
+        "  remedy      --integrator mlt, ",
         "not found  hidden_lamps, ",
     ] {
         assert!(explained.contains(part), "{explained}");
@@ -851,6 +851,30 @@ fn extreme_conditions_are_counted_and_explained_on_request() {
         plain.contains("conditions none extreme\n") && plain.contains("not found  small_emitter, "),
         "{plain}"
     );
+}
+
+/// Conditions of one name are counted, and every label stands apart from what it labels.
+#[test]
+fn conditions_of_one_name_are_counted_and_labels_stand_apart() {
+    let folder = folder("conditions");
+    let rough =
+        |alpha: f64| serde_json::json!({ "conductor": { "metal": "silver", "roughness_alpha": alpha } });
+    let ball = |material: &str, x: f64| serde_json::json!({ "material": material, "shape": { "sphere": { "center": [x, 0, 1], "radius": 0.2 } } });
+    let scene = serde_json::json!({
+        "name": "room", "length_unit": "m",
+        "materials": { "wall": { "lambertian": { "reflectance": 0.99999 } }, "a": rough(0.3), "b": rough(0.5) },
+        "objects": [{ "material": "wall", "shape": { "sphere": { "center": [0, 0, 0], "radius": 20 } } }, ball("a", 0.5), ball("b", -0.5)],
+        "lights": [{ "point": { "position": [0, 1, 0], "emission": { "spectrum": "d65", "level": { "flux_lm": 500 } } } }],
+        "meters": [{ "illuminance": { "name": "wall", "position": [0, 0, -19.9], "normal": [0, 0, 1] } }],
+    });
+    let file = folder.join("room.json");
+    std::fs::write(&file, scene.to_string()).expect("written");
+    let said = succeed(["check".as_ref(), file.as_os_str(), "--explain".as_ref()]);
+    assert!(said.contains("conditions 3 extreme: facet_loss (2), high_albedo\n"), "{said}");
+    assert!(said.contains("\n  sensitivity the level goes with the "), "{said}");
+    assert!(said.contains("mean_loss_per_reflection "), "{said}");
+    // Its few losses may go unseen by a render, which then cuts paths off.
+    assert!(said.contains("cuts paths off after 250") && !said.contains("none is cut off"), "{said}");
 }
 
 #[test]
@@ -1098,5 +1122,130 @@ fn the_schema_refuses_what_the_program_refuses_by_form() {
         let found = breach(&schema, &schema, &json(&files.join(format!("{file}.json"))), "");
         let found = found.unwrap_or_else(|| panic!("the schema allows {file}.json"));
         assert!(found.starts_with(&format!("{pointer}: ")), "{file}: {found}");
+    }
+}
+
+/// A picture of one pixel in which no sample is finite, so that every sample has its name.
+struct Overflowing {
+    scene: PathBuf,
+    report: PathBuf,
+    facts: Value,
+}
+
+impl Overflowing {
+    fn render(test: &str, options: &str) -> Self {
+        let folder = folder(test);
+        let [scene, report, picture] = ["scene.json", "report.json", "out.exr"].map(|name| folder.join(name));
+        let text = serde_json::json!({
+            "name": "overflow", "length_unit": "m",
+            "materials": { "black": { "lambertian": { "reflectance": 0 } } },
+            "objects": [{ "material": "black", "shape": { "sphere": { "center": [0, 0, 0], "radius": 2 } },
+                "emission": { "spectrum": 1, "level": { "spectral_radiance_factor": 1e34 }, "two_sided": true } }],
+            "meters": [{ "luminance": { "name": "gauge", "position": [0, 0, 0], "direction": [0, 0, 1] } }],
+            "camera": { "position": [0, 0, 0], "look_at": [0, 0, 1], "up": [0, 1, 0], "focal_length_mm": 36,
+                "sensor_mm": [24, 24], "resolution": [1, 1], "iso": 100, "shutter_s": 0.01, "f_stop": 1 },
+        });
+        std::fs::write(&scene, text.to_string()).expect("written");
+        let paths = ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), picture.as_os_str()];
+        let output = etalon(
+            paths
+                .into_iter()
+                .chain(["--report".as_ref(), report.as_os_str()])
+                .chain(options.split(' ').map(str::as_ref)),
+        );
+        assert_eq!(output.status.code(), Some(0), "{}", text_of(&output));
+        let facts = json(&report);
+        Self { scene, report, facts }
+    }
+
+    /// Arguments that replay what options say, from the report.
+    fn replay(&self, options: &str) -> Vec<std::ffi::OsString> {
+        let fixed = ["replay".as_ref(), self.scene.as_os_str(), "--from".as_ref(), self.report.as_os_str()];
+        fixed.into_iter().chain(options.split_whitespace().map(str::as_ref)).map(Into::into).collect()
+    }
+
+    /// Whether each of so many samples of a half, found by its block and index, is that of its
+    /// name.
+    fn finds(&self, half: &str, first: usize, count: usize) {
+        let names = self.facts["non_finite"].as_array().expect("a list");
+        for (number, name) in names.iter().enumerate().skip(first).take(count) {
+            let name = &name["pixel"];
+            let place = format!("--pixel 0,0 {half} --block {} --index {}", name["block"], name["index"]);
+            let found = succeed(self.replay(&place));
+            assert_eq!(found, succeed(self.replay(&format!("--sample {number}"))), "{place}");
+            assert!(found.contains(&format!("seed {}, block", name["seed"])), "{found}");
+            assert!(!found.contains("note "), "{found}");
+        }
+    }
+}
+
+fn text_of(output: &Output) -> &str {
+    text(&output.stderr)
+}
+
+/// 50 samples make blocks of 12, 12, 12, 12 and 2.
+#[test]
+fn replay_finds_the_samples_of_a_render_and_no_others() {
+    let render = Overflowing::render("replay", "--spp 50 --seed 3");
+    assert_eq!(render.facts["non_finite"].as_array().map(Vec::len), Some(50));
+    render.finds("", 0, 50);
+    for (options, what, remedy) in [
+        ("--pixel 0,0 --block 4 --index 2", "a block of 2 samples has no sample 2", "counted from 0"),
+        ("--pixel 0,0 --block 5", "there is no block 5 among the 5", "counted from 0"),
+        ("--pixel 0,0 --block 9999", "there is no block 9999 among the 5", "counted from 0"),
+        ("--pixel 0,0 --half 1", "the picture has no halves", "leave --half out"),
+        ("--meter gauge", "it is of a picture and has no readings", "--pixel X,Y"),
+        ("--pixel 1,0", "pixel 1,0 lies outside of 1 x 1 pixels", "counted from 0"),
+    ] {
+        let line = fail_in_one_line(render.replay(options));
+        assert!(line.contains(what) && line.contains(remedy), "{options}: {line}");
+    }
+    let other = succeed(render.replay("--pixel 0,0 --seed 4 --block-size 12 --integrator bdpt"));
+    assert!(other.contains(", for its --seed, --integrator\n"), "{other}");
+}
+
+/// Each half has a seed of its own, and blocks of 1, 1, 2, 4, 8 and 4 make its 20 samples.
+#[test]
+fn replay_finds_the_samples_of_both_halves() {
+    let render = Overflowing::render("replay-halves", "--spp 40 --error 0.1% --seed 3");
+    let names = render.facts["non_finite"].as_array().expect("a list");
+    assert_eq!(names.len(), 40);
+    let seeds: Vec<&Value> = names.iter().map(|name| &name["pixel"]["seed"]).collect();
+    let first = seeds.iter().take_while(|seed| **seed == seeds[0]).count();
+    assert_eq!(first, 20, "{seeds:?}");
+    render.finds("--half 0", 0, first);
+    render.finds("--half 1", first, 20);
+    render.finds("", 0, 1);
+    for (options, what) in [
+        ("--pixel 0,0 --half 1 --block 6", "there is no block 6 among the 6 of that half"),
+        ("--pixel 0,0 --block 5 --index 4", "a block of 4 samples has no sample 4"),
+    ] {
+        let line = fail_in_one_line(render.replay(options));
+        assert!(line.contains(what), "{options}: {line}");
+    }
+}
+
+#[test]
+fn replay_takes_what_renders_and_readings_say_and_nothing_else() {
+    let folder = folder("replay-from");
+    let scene = root().join("tests/files/sound.json");
+    let from = folder.join("from.json");
+    let hash = serde_json::json!({ "scene_hash": "0" });
+    for (text, what) in [
+        ("{}".to_owned(), "it has no \"scene_hash\""),
+        (std::fs::read_to_string(&scene).expect("readable"), "it "),
+        (hash.to_string(), "it is of another scene"),
+        ("[]".to_owned(), "its facts cannot be read"),
+    ] {
+        std::fs::write(&from, &text).expect("written");
+        let line = fail_in_one_line([
+            "replay".as_ref(),
+            scene.as_os_str(),
+            "--from".as_ref(),
+            from.as_os_str(),
+            "--pixel".as_ref(),
+            "0,0".as_ref(),
+        ]);
+        assert!(line.contains("from.json: ") && line.contains(what) && line.contains("give "), "{line}");
     }
 }

@@ -64,6 +64,34 @@ pub fn block_size(samples_per_pixel: u64) -> u32 {
     next_block_size(&left, 0).min(samples_per_pixel.max(1)) as u32
 }
 
+/// Samples of one block of a run of independent samples, or of one of its halves, that has taken
+/// so many samples per pixel.
+///
+/// # Errors
+/// The number of blocks that were taken, where the block is none of them.
+pub fn size_of_block(budget: &Budget, samples_per_pixel: u64, number: u32) -> Result<u32, u64> {
+    // Blocks grow up to this size; only the last one may be smaller again.
+    let whole = next_block_size(budget, u64::MAX);
+    let (mut taken, mut before) = (0, 0);
+    while taken < samples_per_pixel {
+        let size = next_block_size(budget, taken).min(samples_per_pixel - taken);
+        if before == u64::from(number) {
+            return Ok(size as u32);
+        }
+        if size == whole {
+            break;
+        }
+        taken += size;
+        before += 1;
+    }
+    let left = samples_per_pixel - taken;
+    let blocks = before + left.div_ceil(whole);
+    if u64::from(number) >= blocks {
+        return Err(blocks);
+    }
+    Ok(whole.min(left - (u64::from(number) - before) * whole) as u32)
+}
+
 /// One block of a run.
 pub(crate) struct BlockOf {
     pub seed: u64,
@@ -197,4 +225,42 @@ fn render_row(tracer: &Tracer<'_>, view: &View, block: &BlockOf, row: usize) -> 
     }
     result.fates = paths.fates;
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sizes of the blocks that the loop of a run takes.
+    fn taken(budget: &Budget) -> Vec<u32> {
+        let (mut sizes, mut taken) = (Vec::new(), 0);
+        while taken < budget.most_of_half() {
+            let size = next_block_size(budget, taken).min(budget.most_of_half() - taken);
+            sizes.push(size as u32);
+            taken += size;
+        }
+        sizes
+    }
+
+    #[test]
+    fn blocks_have_the_sizes_that_runs_take() {
+        for error in [None, Some(0.01)] {
+            for samples_per_pixel in (1..=130).chain([1000, 1001]) {
+                let budget = Budget { samples_per_pixel, time: None, error, seed: 0 };
+                let sizes = taken(&budget);
+                for (number, size) in (0..).zip(&sizes) {
+                    let found = size_of_block(&budget, budget.most_of_half(), number);
+                    assert_eq!(found, Ok(*size), "block {number} of {budget:?}");
+                }
+                for beyond in [sizes.len() as u32, u32::MAX] {
+                    let found = size_of_block(&budget, budget.most_of_half(), beyond);
+                    assert_eq!(found, Err(sizes.len() as u64), "{budget:?}");
+                }
+            }
+        }
+        let fifty = Budget { samples_per_pixel: 50, time: None, error: None, seed: 0 };
+        assert_eq!(taken(&fifty), [12, 12, 12, 12, 2]);
+        let open = Budget { samples_per_pixel: 100, error: Some(0.1), ..fifty };
+        assert_eq!(taken(&open), [1, 1, 2, 4, 8, 16, 16, 2]);
+    }
 }

@@ -15,7 +15,7 @@ mod stopping;
 mod tracer;
 
 pub(crate) use blocks::BlockOf;
-pub use blocks::{Taken, block_size};
+pub use blocks::{Taken, block_size, size_of_block};
 pub use depth::{Bounded, DIVERGENT_BOUNCES, Divergence, Truncation};
 pub(crate) use direct::DirectLight;
 pub(crate) use in_order::InOrder;

@@ -83,8 +83,8 @@ impl Budget {
         if self.is_open() { self.samples_per_pixel.div_ceil(2) } else { self.samples_per_pixel }
     }
 
-    /// What the random numbers of a half start from.
-    pub(crate) const fn seed_of(&self, half: usize) -> u64 {
+    /// What the random numbers of a half start from; without halves, those of the run.
+    pub const fn seed_of(&self, half: usize) -> u64 {
         use crate::sampler::mix;
         /// Tells the seeds of halves from those of whole runs.
         const HALVES: u64 = 0x6861_6c76_6573;

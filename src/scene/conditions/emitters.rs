@@ -58,7 +58,7 @@ fn small_emitter(scene: &Scene, probe: &Probe, light: usize) -> Option<Condition
         .effect(Kind::Noise, &["path"], by_chance);
     if through > 0.0 {
         let seen = format!(
-            "where such light is seen through smooth surfaces again ({} of the picture), no joint of subpaths helps: bdpt meets it as rarely, mlt finds its start as rarely and explores from there",
+            "where such light is seen through smooth surfaces again ({} of the picture), no joint of subpaths helps: bdpt meets it as rarely with every sample, mlt with every search for a start, from where it explores",
             percent(through)
         );
         condition = condition.effect(Kind::Noise, &["bdpt", "mlt"], seen);
@@ -68,8 +68,11 @@ fn small_emitter(scene: &Scene, probe: &Probe, light: usize) -> Option<Condition
         percent(onto_smooth)
     );
     let condition = condition.effect(Kind::Noise, &["light", "bdpt", "mlt"], rare);
-    let remedy = if through > 0.0 { "mlt" } else { "bdpt or mlt" };
-    Some(condition.remedy(format!("--integrator {remedy}")))
+    Some(condition.remedy(if through > 0.0 {
+        "--integrator mlt, which has to meet such light by chance only for its starts; or a larger lamp of the same flux, if that may be"
+    } else {
+        "--integrator bdpt or mlt"
+    }))
 }
 
 /// Lamps that nothing in the picture sees, not even through glass.

@@ -179,13 +179,24 @@ pub fn conditions(scene: &Scene, view: Option<&View>) -> Vec<Condition> {
     families.into_iter().flatten().collect()
 }
 
-/// The conditions on one line: `high_albedo, dispersion`.
+/// The conditions on one line, those of one name with their number: `3 extreme: facet_loss (2),
+/// dispersion`.
 pub fn in_short(conditions: &[Condition]) -> String {
     if conditions.is_empty() {
         return "none extreme".to_owned();
     }
-    let mut names: Vec<&str> = conditions.iter().map(|condition| condition.name).collect();
-    names.dedup();
+    let mut counts: Vec<(&str, usize)> = Vec::new();
+    for Condition { name, .. } in conditions {
+        match counts.iter_mut().find(|(known, _)| known == name) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((name, 1)),
+        }
+    }
+    let listed = |(name, count): &(&str, usize)| match count {
+        1 => (*name).to_owned(),
+        _ => format!("{name} ({count})"),
+    };
+    let names: Vec<String> = counts.iter().map(listed).collect();
     format!("{} extreme: {}", conditions.len(), names.join(", "))
 }
 
@@ -194,19 +205,17 @@ impl fmt::Display for Condition {
         writeln!(f, "extreme    {} ({})", self.name, self.place)?;
         let figures: Vec<String> =
             self.figures.iter().map(|(name, value)| format!("{name} {}", short(*value))).collect();
+        let mut line = |label: &str, text: &str| writeln!(f, "  {label:<11} {text}");
         if !figures.is_empty() {
-            writeln!(f, "  figures    {}", figures.join(", "))?;
+            line("figures", &figures.join(", "))?;
         }
-        writeln!(f, "  limit      {}", self.limit)?;
+        line("limit", &self.limit)?;
         for Effect { kind, integrators, what } in &self.effect {
             let of =
                 if *integrators == ALL { String::new() } else { format!("{}: ", integrators.join(", ")) };
-            writeln!(f, "  {:<11}{of}{what}", kind.name())?;
+            line(kind.name(), &format!("{of}{what}"))?;
         }
-        match &self.remedy {
-            Some(remedy) => writeln!(f, "  remedy     {remedy}"),
-            None => Ok(()),
-        }
+        self.remedy.as_ref().map_or(Ok(()), |remedy| line("remedy", remedy))
     }
 }
 
