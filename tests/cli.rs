@@ -1249,3 +1249,59 @@ fn replay_takes_what_renders_and_readings_say_and_nothing_else() {
         assert!(line.contains("from.json: ") && line.contains(what) && line.contains("give "), "{line}");
     }
 }
+
+/// A lamp that its own shade hides.
+const SHADED: &str = r#"{ "name": "shaded", "length_unit": "m",
+  "materials": { "black": { "lambertian": { "reflectance": 0 } } },
+  "objects": [
+    { "shape": { "sphere": { "center": [0, 0, 0], "radius": 0.5 } }, "material": "black" },
+    { "shape": { "sphere": { "center": [0, 0, 0], "radius": 0.1 } }, "material": "black",
+      "emission": { "spectrum": "d65", "level": { "flux_lm": 800 } } } ],
+  "camera": { "position": [0, 0, -2], "look_at": [0, 0, 0], "up": [0, 1, 0], "focal_length_mm": 50, "sensor_mm": [36, 24],
+    "resolution": [6, 4], "f_stop": 8, "shutter_s": 0.01, "iso": 100 } }"#;
+
+#[test]
+fn a_black_picture_under_lamps_states_no_error_and_fails_under_strict() {
+    let folder = folder("shaded");
+    let scene = folder.join("scene.json");
+    std::fs::write(&scene, SHADED).expect("written");
+    for (strict, code) in [(false, 0), (true, 3)] {
+        let (out, report) = (folder.join("out.exr"), folder.join("out.json"));
+        let words =
+            ["render".as_ref(), scene.as_os_str(), "-o".as_ref(), out.as_os_str(), "--report".as_ref()];
+        let options = ["--spp", "64", "--error", "5%"].map(AsRef::as_ref);
+        let strict: &[&std::ffi::OsStr] = if strict { &["--strict".as_ref()] } else { &[] };
+        let output = etalon(
+            words.into_iter().chain([report.as_os_str()]).chain(options).chain(strict.iter().copied()),
+        );
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        assert!(said.contains("the picture is black: lamps shine, and 64 samples per pixel"), "{said}");
+        assert!(!String::from_utf8_lossy(&output.stdout).contains("relative error"));
+        let facts = std::fs::read_to_string(&report).expect("written");
+        let facts: serde_json::Value = serde_json::from_str(&facts).expect("JSON");
+        assert_eq!(facts["no_light_found"], true);
+        assert!(facts["relative_error"].is_null());
+    }
+}
+
+#[test]
+fn outputs_do_not_overwrite_one_another() {
+    let folder = folder("distinct");
+    let scene = folder.join("scene.json");
+    std::fs::write(&scene, SHADED).expect("written");
+    let place = |name: &str| folder.join(name).into_os_string();
+    for (option, file, same) in [
+        ("--checkpoint", "out.exr", "the checkpoint would overwrite the picture"),
+        ("--checkpoint", "./out.png", "the checkpoint would overwrite the developed picture"),
+        ("--checkpoint", "out.json", "the checkpoint would overwrite the report"),
+    ] {
+        let words =
+            ["render".into(), scene.clone().into_os_string(), "-o".into(), place("out.exr"), "--png".into()];
+        let more = [place("out.png"), "--report".into(), place("out.json"), option.into(), place(file)];
+        let output = etalon(words.into_iter().chain(more));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(same) && said.lines().count() == 1, "{said}");
+    }
+}
