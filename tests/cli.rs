@@ -378,7 +378,7 @@ fn wrong_arguments_are_named_with_what_belongs_there() {
         (vec!["--error", "1%", "--strategies", "shown"], "cannot be used with"),
         (vec!["--resume"], "--checkpoint <FILE>"),
         (vec!["--checkpoint", "kept", "--checkpoint-interval=-1"], "give a number of seconds from 0 up"),
-        (vec!["--checkpoint", "out.exr"], "out.exr: the checkpoint would overwrite the output"),
+        (vec!["--checkpoint", "out.exr"], "out.exr: the checkpoint would overwrite the picture"),
         (vec!["--checkpoint", "nowhere/kept"], "nowhere/kept: the folder of the output does not exist"),
         (vec!["--checkpoint", "tests", "--resume"], "tests: the output is a folder; choose another name"),
         (vec!["--threads", "0"], "'0' for '--threads <N>'"),
@@ -1235,7 +1235,7 @@ fn replay_takes_what_renders_and_readings_say_and_nothing_else() {
         ("{}".to_owned(), "it has no \"scene_hash\""),
         (std::fs::read_to_string(&scene).expect("readable"), "it "),
         (hash.to_string(), "it is of another scene"),
-        ("[]".to_owned(), "its facts cannot be read"),
+        ("7".to_owned(), "its facts cannot be read"),
     ] {
         std::fs::write(&from, &text).expect("written");
         let line = fail_in_one_line([

@@ -27,7 +27,8 @@ pub fn tell(facts: &Facts, scene: &Path, output: &Path, strict: bool) -> bool {
         );
         name(&facts.non_finite, scene, &output.display().to_string());
     }
-    if facts.no_light_found {
+    // Where light cannot be found, that was said before.
+    if facts.no_light_found && facts.missing.is_empty() {
         eprintln!(
             "{word}: the picture is black: lamps shine, and {} samples per pixel found none of their light; use --integrator mlt, or larger lamps",
             facts.samples_per_pixel
