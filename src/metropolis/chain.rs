@@ -109,7 +109,7 @@ impl<'w, 'a> Chain<'w, 'a> {
             } else {
                 (share(mutation, &self.proposal) / share(mutation, &self.state)).ln()
             };
-            (ln_ratio + chosen).exp().min(1.0)
+            acceptance_of(ln_ratio + chosen)
         });
         let accepted = self.numbers.fine() < acceptance;
         self.counts.note(mutation, proposed.is_some(), acceptance, accepted);
@@ -152,6 +152,12 @@ impl<'w, 'a> Chain<'w, 'a> {
             self.pending = 0.0;
         }
     }
+}
+
+/// Probability with which a proposal is accepted, by the logarithm of its ratio. One that is no
+/// number is never accepted: `min` would take 1 before it.
+pub fn acceptance_of(ln_ratio: f64) -> f64 {
+    if ln_ratio.is_nan() { 0.0 } else { ln_ratio.exp().min(1.0) }
 }
 
 /// Weight of a mutation at a path.

@@ -39,6 +39,7 @@ mod report;
 mod start;
 mod world;
 
+pub use chain::acceptance_of;
 pub use mutation::{Mutation, Mutator, Origin, Place};
 pub use node::Node;
 pub use normalisation::Estimates;

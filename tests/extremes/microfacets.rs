@@ -5,6 +5,7 @@ use crate::cases;
 use crate::common::chi_squared::{SAMPLES, examine};
 use crate::common::facets::{albedo, drawn, white};
 use crate::common::hemisphere::direction;
+use crate::common::program::{etalon, folder, scene_file};
 use crate::common::runs::{films, picture_xyz};
 use crate::common::{scene, scenes};
 use crate::dispersion::same_within_four;
@@ -112,6 +113,29 @@ pub fn white_facets_lose_what_quadrature_says(record: &mut Record) {
             record.absolute(what, 1.0 - kept.value(), 1.0 - truth, 2e-3);
         }
     }
+    // White metal: what the program says of it is what quadrature says.
+    let file = scene_file(
+        &folder("extremes-facet-loss"),
+        &json!({
+            "name": "rough", "length_unit": "m",
+            "materials": { "white": { "conductor": { "metal": { "n": 0, "k": 1 }, "roughness_alpha": 0.5 } },
+                "black": { "lambertian": { "reflectance": 0 } } },
+            "objects": [
+                { "shape": { "disk": { "center": [0, 0, 0], "normal": [0, 0, 1], "radius": 0.5 } }, "material": "white" },
+                { "shape": { "sphere": { "center": [0, 0, 0], "radius": 5 } }, "material": "black",
+                  "emission": { "spectrum": "cie-e", "level": { "luminance_cd_m2": 100 }, "two_sided": true } }],
+            "camera": { "position": [0, 0, 2], "look_at": [0, 0, 0], "up": [0, 1, 0], "focal_length_mm": 36,
+                "sensor_mm": [36, 36], "resolution": [4, 4], "iso": 100, "shutter_s": 0.01, "f_stop": 8 },
+        }),
+    );
+    let ran = etalon(["check".as_ref(), "--explain".as_ref(), file.as_os_str()]);
+    record.says("check --explain", &ran.out, "extreme    facet_loss");
+    record.says("check --explain", &ran.out, "what meets a second facet is lost");
+    let said =
+        ran.out.split("white_loss_normal ").nth(1).and_then(|rest| rest.split(',').next()?.parse().ok());
+    let truth = 1.0 - albedo(0.5, 1.0, 1.5, |_| (1.0, 0.0))[0];
+    let what = "share lost at alpha = 0.5, cos 1, as check --explain says";
+    record.absolute(what, said.unwrap_or(f64::NAN), truth, 2e-3);
 }
 
 /// Cosines at which a tangent is undefined or hardly defined; a direction's components are f32,
@@ -120,6 +144,7 @@ const COSINES: [f64; 5] = [0.0, 1e-45, 1e-30, 1.0, -1e-45];
 
 // Case 38.
 pub fn exact_grazing_and_normal_directions_have_values(record: &mut Record) {
+    record.note("The catalogue's 5e-324 is 0 in 32 bits, in which directions are held: 1e-45, the smallest number there, stands for it.");
     let directions = || COSINES.iter().flat_map(|&mu| [0.0, 2.0].map(|phi| direction(mu, phi)));
     let (mut pairs, mut faults) = (0_u64, 0_u64);
     for (_, bsdf) in specimens() {

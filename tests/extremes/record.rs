@@ -55,6 +55,16 @@ impl Record {
         self.seed
     }
 
+    /// Whether the case is run by night.
+    pub fn is_nightly(&self) -> bool {
+        self.effort == Effort::Nightly
+    }
+
+    /// What is asked for by day, and by night.
+    pub fn by_day_or_night<T>(&self, day: T, night: T) -> T {
+        if self.is_nightly() { night } else { day }
+    }
+
     /// So many samples, or more by night.
     pub const fn samples(&self, fixed: u64) -> u64 {
         match self.effort {

@@ -15,6 +15,8 @@ use std::f64::consts::PI;
 /// What a number of samples over a whole picture has found.
 struct Found {
     mean: BatchMean,
+    /// Luminance of the darkest pixel.
+    darkest: f64,
     largest: f64,
     joints: u64,
     non_finite: u64,
@@ -26,10 +28,12 @@ fn sampled(scene: &Scene, integrator: Integrator, samples: u64, seed: u64) -> Fo
     let plan = Plan::of(scene, &view.sensor, integrator.strategies());
     let tracer = Tracer::new(scene, &plan, Eye::Camera(&view.camera));
     let [width, height] = view.camera.resolution();
+    let all_pixels = (width * height) as usize;
     let size = (samples / BATCHES as u64) as u32;
     let batch = |batch: usize| {
         let numbers = BlockSampler::new(seed, 0, batch as u32, size);
         let (mut sum, mut largest, mut joints, mut non_finite) = (0.0, 0.0_f64, 0, 0);
+        let mut pixels = vec![0.0; all_pixels];
         let mut paths = Subpaths::default();
         for index in 0..size {
             let corner = [f64::from(index % width), f64::from(index / width % height)];
@@ -39,16 +43,21 @@ fn sampled(scene: &Scene, integrator: Integrator, samples: u64, seed: u64) -> Fo
                     if channel == 1 {
                         non_finite += u64::from(!value.is_finite());
                         sum += value;
+                        let [x, y] = found.position.unwrap_or(corner);
+                        pixels[(y as usize * width as usize + x as usize).min(all_pixels - 1)] += value;
                         largest = largest.max(value);
                     }
                 };
                 view.sensor.record(found.estimate * found.weight, wavelengths, &mut put);
             });
         }
-        (sum / f64::from(size), largest, joints, non_finite)
+        (sum / f64::from(size), largest, joints, non_finite, pixels)
     };
     let all: Vec<_> = (0..BATCHES).into_par_iter().map(batch).collect();
+    let in_pixel = |pixel: usize| all.iter().map(|batch| batch.4[pixel]).sum::<f64>();
+    let per_pixel = all_pixels as f64 / (BATCHES as f64 * f64::from(size));
     Found {
+        darkest: (0..all_pixels).map(|pixel| in_pixel(pixel) * per_pixel).fold(f64::INFINITY, f64::min),
         mean: BatchMean::of(&std::array::from_fn(|batch| all[batch].0)),
         largest: all.iter().map(|batch| batch.1).fold(0.0, f64::max),
         joints: all.iter().map(|batch| batch.2).sum(),
@@ -67,12 +76,22 @@ pub fn joints_in_a_corner_are_bounded(record: &mut Record) {
     let samples = record.samples(1 << 20);
     let both = sampled(&scene, Integrator::Bdpt, samples, record.seed());
     let path = sampled(&scene, Integrator::Path, samples, record.seed() + 1);
-    record.at_most("largest contribution over the mean of a pixel", both.largest / both.mean.mean, 1e4);
-    record.at_least("joints", both.joints as f64, 1e6);
+    record.at_most("largest contribution over the mean of the picture", both.largest / both.mean.mean, 1e4);
+    record.at_most(
+        "largest contribution over the mean of its darkest pixel",
+        both.largest / both.darkest,
+        1e4,
+    );
+    record.at_least("joints", both.joints as f64, record.by_day_or_night(3e6, 4.8e7));
     record.exactly("contributions that are no number", both.non_finite, 0);
     let pair = |found: &Found| [found.mean.mean, found.mean.standard_error];
     record.same_mean("bdpt against path, mean luminance, cd/m2", pair(&both), pair(&path), 5e-3);
-    record.note("The catalogue asks for 1e8 joints; nothing is clamped, as the equal means show.");
+    record.note(
+        "The catalogue asks for 1e8 joints: by day at least 3e6 are made, by night 4.8e7. Compared is the largest \
+         single contribution anywhere in the picture with the mean of the darkest pixel, which no ratio within a \
+         pixel exceeds. Equal means of bdpt and path exclude a clamp that takes more than their error, not one of \
+         rarer values.",
+    );
 }
 
 // Case 60.
@@ -131,7 +150,7 @@ pub fn the_border_of_the_picture_is_as_bright_as_its_middle(record: &mut Record)
     let scene = scene(&json);
     let view = scene.view().expect("a camera");
     let truth = scenes::BALL_LUMINANCE_CD_M2 / (1.0 - scenes::BALL_REFLECTANCE);
-    for (integrator, samples) in [(Integrator::Path, 64), (Integrator::Light, 1024), (Integrator::Bdpt, 256)]
+    for (integrator, samples) in [(Integrator::Path, 256), (Integrator::Light, 1024), (Integrator::Bdpt, 256)]
     {
         let samples = record.samples(samples);
         let border = |[x, y]: [u32; 2]| x == 0 || y == 0 || x == 11 || y == 11;
@@ -140,14 +159,24 @@ pub fn the_border_of_the_picture_is_as_bright_as_its_middle(record: &mut Record)
             mean_of(&film, border) / mean_of(&film, |place| !border(place))
         });
         let name = integrator.name();
-        // Light alone finds the pinhole with large weights: by day it is known to 0.2 %.
-        let most_noise = if integrator == Integrator::Light { 2e-3 } else { 1e-3 };
-        record.mean(format!("{name}: border over middle"), ratio[0], ratio[1], 1.0, most_noise);
+        // Light alone splats with large weights: by day it is known to 0.2 %.
+        let is_sharp = integrator != Integrator::Light || record.is_nightly();
+        if is_sharp {
+            record.relative(
+                format!("{name}: border over middle, as the catalogue bounds it"),
+                ratio[0],
+                1.0,
+                1e-3,
+            );
+        }
+        let most_noise = if is_sharp { 5e-4 } else { 2e-3 };
+        record.mean(format!("{name}: border over middle, by its error"), ratio[0], ratio[1], 1.0, most_noise);
         let level = over_runs(|run| {
             mean_of(&film(&scene, view, integrator, samples / 4, record.seed() + run), border)
         });
         record.mean(format!("{name}: border, cd/m2"), level[0], level[1], truth, 5e-3);
     }
+    record.note("The 0.1 % of the catalogue are held by path and bdpt by day, by light alone only by night: by day its error is below 0.2 %, and five of those are allowed.");
 }
 
 // Case 61.

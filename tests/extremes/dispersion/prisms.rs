@@ -36,6 +36,9 @@ const HALF_RAD: f64 = 4e-3;
 // stands where the glass must send it; its spot is in the middle of the picture. The lamp has
 // another line as well, which the glass sends past the picture: the spot has the colour of one.
 pub fn a_prism_deviates_as_its_glass_demands(record: &mut Record) {
+    record.note(
+        "Path and bdpt are held to all five lines, mlt to the d line alone: its chains take longest to begin.",
+    );
     for (name, nm, deviation_deg) in [
         ("F", 486.1327, 39.138_11),
         ("d", 587.5618, 38.646_70),
@@ -152,6 +155,10 @@ pub fn dispersion_moves_light_and_takes_none(record: &mut Record) {
                     [found.mean, found.standard_error].map(|value| value * PI / SCREEN * SHOWN_M2);
                 let what = format!("{name}, {}: {channel} on the screen", integrator.name());
                 if integrator == Integrator::Mlt {
+                    // With dispersion by night alone: by day its error is a good part of 0.3 %.
+                    if name != "V = 20" || record.is_nightly() {
+                        record.relative(format!("{what}, as the catalogue bounds it"), flux, truth, 3e-3);
+                    }
                     record.mean(what, flux, error, truth, 3e-3);
                 } else {
                     record.relative(what.clone(), flux, truth, 3e-3);
@@ -160,7 +167,7 @@ pub fn dispersion_moves_light_and_takes_none(record: &mut Record) {
             }
         }
     }
-    record.note("Chains are noisier here: five of their standard errors are allowed, each below 0.3 %.");
+    record.note("Chains are noisier than samples. Without dispersion they are held to the 0.3 % of the catalogue by day too; with V = 20 only by night: by day five of their standard errors are allowed, each below 0.3 %.");
 }
 
 /// Area of the screen's plane in the picture, m2: 1.6 m by 1.6 m.

@@ -109,8 +109,21 @@ pub fn a_picture_of_chains_carries_their_normalisation(record: &mut Record) {
     let [low, high] =
         [0, 1].map(|end| number(&facts, &format!("/metropolis/report/normalisation_ci95/{end}")));
     record.note(format!("b = {b:.4e}, 95 % from {low:.4e} to {high:.4e}"));
-    record.holds("b lies within its interval, which is not empty", low < b && b < high && b > 0.0);
-    record.holds("fresh paths are counted", number(&facts, "/metropolis/report/fresh_paths") > 0.0);
+    let [paths, found] =
+        ["fresh_paths", "fresh_paths_found"].map(|key| number(&facts, &format!("/metropolis/report/{key}")));
+    // Were all finds alike, their number would be binomial: fresh paths that differ in what they
+    // find can but scatter more.
+    let least = 1.96 * ((1.0 - found / paths) / found).sqrt();
+    record.at_least(
+        "half the width of the interval over b, of at least that of the finds",
+        0.5 * (high - low) / b,
+        least,
+    );
+    record.at_most("and of at most five times that", 0.5 * (high - low) / b, 5.0 * least);
+    record.relative("b, middle of its interval, within half its width", b, 0.5 * (low + high), least);
+    // One mutation in five is a fresh path, beside those of the search for the chains' starts.
+    let mutations = number(&facts, "/metropolis/report/mutations");
+    record.at_least("fresh paths over a fifth of all mutations", paths / (0.2 * mutations), 0.9);
 }
 
 /// The commit that is checked out; `None` outside the project's own repository.
