@@ -871,7 +871,7 @@ fn conditions_of_one_name_are_counted_and_labels_stand_apart() {
     std::fs::write(&file, scene.to_string()).expect("written");
     let said = succeed(["check".as_ref(), file.as_os_str(), "--explain".as_ref()]);
     assert!(said.contains("conditions 3 extreme: facet_loss (2), high_albedo\n"), "{said}");
-    assert!(said.contains("\n  sensitivity the level goes with the "), "{said}");
+    assert!(said.contains("\n  sensitivity the level goes inversely with the "), "{said}");
     assert!(said.contains("mean_loss_per_reflection "), "{said}");
     // Its few losses may go unseen by a render, which then cuts paths off.
     assert!(said.contains("cuts paths off after 250") && !said.contains("none is cut off"), "{said}");
@@ -1235,7 +1235,7 @@ fn replay_takes_what_renders_and_readings_say_and_nothing_else() {
         ("{}".to_owned(), "it has no \"scene_hash\""),
         (std::fs::read_to_string(&scene).expect("readable"), "it "),
         (hash.to_string(), "it is of another scene"),
-        ("7".to_owned(), "its facts cannot be read"),
+        ("[{".to_owned(), "its facts cannot be read"),
     ] {
         std::fs::write(&from, &text).expect("written");
         let line = fail_in_one_line([

@@ -51,7 +51,7 @@ pub(super) fn conditions(probe: &Probe) -> Option<Condition> {
     let amplification = kept / loss;
     // So small a wrongness is possible however small the loss is: it takes 1 % of it.
     let sensitive = format!(
-        "the level goes with the {} that a reflection loses: reflectances wrong by {} make both wrong by 1 %",
+        "the level goes inversely with the {} that a reflection loses: reflectances wrong by {} make both wrong by 1 %",
         percent(loss),
         percent(0.01 / amplification)
     );
