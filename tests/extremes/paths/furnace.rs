@@ -152,7 +152,7 @@ pub fn an_integrating_sphere_multiplies_its_lamp(record: &mut Record) {
     let lamp = json!([{ "point": { "position": [0, 0, 0],
         "emission": { "spectrum": { "blackbody": { "temperature_k": 6500 } }, "level": { "flux_lm": 1700 } } } }]);
     for (albedo, truth, samples) in
-        [(0.5, 270.5634, 1 << 15), (0.9, 1352.817, 1 << 18), (0.98, 6764.085, 1 << 19)]
+        [(0.5, 270.5634, 1 << 15), (0.9, 1352.817, 1 << 16), (0.98, 6764.085, 1 << 17)]
     {
         let materials = json!({ "wall": { "lambertian": { "reflectance": albedo } } });
         let ball =
@@ -173,7 +173,8 @@ pub fn an_integrating_sphere_multiplies_its_lamp(record: &mut Record) {
             mean.mean,
             mean.standard_error,
             truth,
-            1e-3,
+            record.by_day_or_night(2e-3, 5e-4),
         );
     }
+    record.note("By day one standard error is up to 0.13 %, so that the 0.2 % of the catalogue are held for the fixed seed; by night it is a quarter of that, and they are held for any.");
 }
