@@ -24,7 +24,7 @@ fn batches(scene: &Scene, integrator: Integrator, samples_per_pixel: u64) -> Vec
         let seed = batch + 1000 * (1 + integrator as u64) + 10_000 * fresh();
         let budget = Budget { samples_per_pixel, time: None, error: None, seed };
         let film = render(scene, view, &plan, &budget, &Silent).film;
-        assert_eq!(film.faults.count, 0);
+        assert_eq!(film.faults.count, 0, "{:?}", film.faults.named);
         (0..film.pixels()).map(|pixel| film.mean(pixel, LUMINANCE)).collect()
     };
     (0..BATCHES).map(batch).collect()

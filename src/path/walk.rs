@@ -283,8 +283,16 @@ impl<'a> Walker<'a, '_> {
         let survives = self.sampler.single(stream, heading.bounce) < survival;
         heading.fate.ended_by_rounding =
             !survives && heading.fate.trapped.is_none() && heading.has_lost_nothing(carried);
-        heading.throughput *= 1.0 / survival;
-        heading.survival *= survival;
+        if survives {
+            // The reciprocal of a survival this small may be infinite; the quotient is not.
+            let weight = 1.0 / survival;
+            heading.throughput = if weight.is_finite() {
+                heading.throughput * weight
+            } else {
+                heading.throughput / Spectrum::splat(survival)
+            };
+            heading.survival *= survival;
+        }
         survives
     }
 }
