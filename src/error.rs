@@ -116,6 +116,12 @@ impl Error {
         };
         Self::new(format!("unknown {what} \"{wrong}\"")).hint(hint)
     }
+
+    /// Something that was left out when the library was built.
+    pub(crate) fn not_built(what: &str, feature: &str) -> Self {
+        Self::new(format!("{what} were left out of this build"))
+            .hint(format!("build etalon with the cargo feature \"{feature}\""))
+    }
 }
 
 /// A name as a segment of a JSON pointer (RFC 6901).

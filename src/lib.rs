@@ -28,6 +28,19 @@
 //!   size; *luminance* in cd/m2, *radiance* in W sr^-1 m^-2 nm^-1 whatever the scene unit.
 //! * *block*: samples of a pixel that are stratified together; blocks are independent.
 //!
+//! # Cargo features
+//!
+//! All are on by default. A library that only traces light needs none of them
+//! (`default-features = false`): it reads scenes and spectra, renders films and tests them.
+//!
+//! * `cli`: the program, and every feature below.
+//! * `meshes`: PLY and OBJ files. `exr`: OpenEXR files. `pictures`: developed pictures in PNG,
+//!   TIFF, JPEG and EXR, flat fields from files; brings `exr`.
+//! * `checkpoints`: runs that can be interrupted. `schema`: JSON Schema of the scene format.
+//!   `harness`: the Python side.
+//!
+//! What a scene asks for and a build has not is an error that names the feature.
+//!
 //! # What it does not do
 //!
 //! No RGB in transport, no polarisation, no fluorescence, no diffraction, no clamping of
@@ -44,6 +57,7 @@ pub mod material;
 pub mod measure;
 pub mod metropolis;
 pub mod path;
+#[cfg(feature = "harness")]
 pub mod python;
 pub mod replay;
 pub mod sampler;

@@ -3,14 +3,14 @@
 use super::Exposure;
 use crate::error::{Error, Result};
 use crate::spectrum::colour::{Xyz, adapt, srgb_encode, xyz_to_linear_srgb};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// White point of sRGB, CIE D65, on the scale Y = 1.
 pub(super) const D65_WHITE: Xyz = [0.950_455_927_051_672, 1.0, 1.089_057_750_759_878];
 
 /// Encoding of a developed picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Tone {
     /// That of sRGB, IEC 61966-2-1.
@@ -50,7 +50,8 @@ impl Tone {
 /// Channels are white-balanced first: each is divided by what it holds of the light that is
 /// white, so that a white surface has the same number in every channel. A matrix to `xyz`
 /// turns (1, 1, …) into the white of D65, one to `srgb` into (1, 1, 1).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Matrix {
     /// What the three rows give.
@@ -60,7 +61,8 @@ pub struct Matrix {
 }
 
 /// What a matrix leads to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum MatrixTarget {
     /// CIE 1931 X, Y, Z under D65.

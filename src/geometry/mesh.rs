@@ -37,6 +37,7 @@ impl Mesh {
 
     /// Cuts a polygon into a fan of triangles around its first vertex; fewer than three
     /// vertices add nothing.
+    #[cfg(feature = "meshes")]
     pub(crate) fn push_polygon(&mut self, corners: &[u32]) {
         for pair in corners.get(1..).unwrap_or_default().windows(2) {
             self.triangles.push([corners[0], pair[0], pair[1]]);

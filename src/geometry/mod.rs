@@ -15,7 +15,9 @@ mod coincident;
 mod error;
 mod frame;
 mod mesh;
+#[cfg(feature = "meshes")]
 mod obj;
+#[cfg(feature = "meshes")]
 mod ply;
 mod precise;
 pub mod primitive;
@@ -23,6 +25,7 @@ mod ray;
 mod shape;
 mod specimens;
 mod transform;
+#[cfg(feature = "meshes")]
 mod words;
 
 pub use accelerate::Geometry;
@@ -31,7 +34,9 @@ pub use builder::GeometryBuilder;
 pub use error::{MeshFault, MeshFileError, ShapeError};
 pub use frame::Frame;
 pub use mesh::Mesh;
+#[cfg(feature = "meshes")]
 pub use obj::parse_obj;
+#[cfg(feature = "meshes")]
 pub use ply::parse_ply;
 pub use precise::{Meeting, PreciseRay};
 pub use primitive::Primitive;

@@ -37,7 +37,7 @@ const MOST_BYTES: u64 = 16 << 30;
 
 /// Bytes of pixels that one byte of a file can stand for at most: what deflate reaches, with
 /// room for other methods. A header that announces more is wrong, whatever follows it.
-const MOST_INFLATION: u64 = 1100;
+pub(super) const MOST_INFLATION: u64 = 1100;
 
 /// Reads a render; an error names the file and what it lacks.
 pub fn read_exr(path: &Path) -> Result<Rendered> {
@@ -90,7 +90,7 @@ pub fn parse_exr(bytes: &[u8]) -> Result<Rendered> {
 }
 
 /// Refuses a file whose header announces more pixels than it can hold.
-fn check_size(bytes: &[u8], undecodable: &dyn Fn(&exr::error::Error) -> Error) -> Result<()> {
+pub(super) fn check_size(bytes: &[u8], undecodable: &dyn Fn(&exr::error::Error) -> Error) -> Result<()> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| undecodable(&e))?;
     let room = (bytes.len() as u64).saturating_mul(MOST_INFLATION);
     for header in &meta.headers {
@@ -183,33 +183,4 @@ pub fn read_facts(path: &Path) -> Result<String> {
         .iter()
         .find_map(attribute)
         .ok_or_else(|| Error::new("it has no attribute \"etalon\"").hint(REMEDY).in_file(path))
-}
-
-/// Levels of a picture of an even field: an EXR's channel Y or G, or the grey of a PNG or TIFF
-/// taken as linear; size and values in rows from the top left.
-pub fn read_levels(path: &Path, bytes: &[u8]) -> Result<([u32; 2], Vec<f32>)> {
-    let undecodable = |e: &dyn std::fmt::Display| {
-        let what = e.to_string().to_lowercase();
-        Error::new(format!("cannot be decoded ({what})")).hint("give an EXR, PNG or TIFF, linear in light")
-    };
-    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
-        let mut reader =
-            image::ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| undecodable(&e))?;
-        let mut limits = image::Limits::default();
-        limits.max_alloc = Some((bytes.len() as u64).saturating_mul(MOST_INFLATION));
-        reader.limits(limits);
-        let picture = reader.decode().map_err(|e| undecodable(&e))?.into_luma16();
-        let values = picture.as_raw().iter().map(|level| f32::from(*level)).collect();
-        return Ok(([picture.width(), picture.height()], values));
-    }
-    check_size(bytes, &|e| undecodable(e))?;
-    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
-    let picture = reader.all_attributes().from_buffered(Cursor::new(bytes)).map_err(|e| undecodable(&e))?;
-    let channels = &picture.layer_data.channel_data.list;
-    let named = |name: &str| channels.iter().find(|channel| channel.name == *name);
-    let Some(channel) = named("Y").or_else(|| named("G")) else {
-        return Err(Error::new("the flat field has neither a channel Y nor G").hint("rename its channel"));
-    };
-    let size = [picture.layer_data.size.width(), picture.layer_data.size.height()].map(|side| side as u32);
-    Ok((size, channel.sample_data.values_as_f32().collect()))
 }

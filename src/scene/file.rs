@@ -5,7 +5,6 @@
 //! [`super::Scene`], which cannot be wrong.
 
 use crate::units::{Candelas, CandelasPerSquareMeter, Lumens, Watts};
-use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -21,7 +20,8 @@ pub use super::file_spectrum::{
 pub type Vector = [f64; 3];
 
 /// A scene in physical units.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     /// JSON Schema that an editor may use; ignored.
@@ -55,7 +55,8 @@ pub struct SceneFile {
 }
 
 /// Unit of length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum LengthUnit {
     /// Metres.
     #[serde(rename = "m")]
@@ -69,7 +70,8 @@ pub enum LengthUnit {
 }
 
 /// What a surface does with light.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MaterialFile {
     /// Diffuse reflection, the same in every direction.
@@ -120,7 +122,8 @@ const fn yes() -> bool {
 }
 
 /// A surface with its material and, perhaps, its light.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ObjectFile {
     /// Name, for messages and reports.
@@ -139,7 +142,8 @@ pub struct ObjectFile {
 }
 
 /// A surface.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ShapeFile {
     /// Sphere, facing outwards.
@@ -206,7 +210,8 @@ pub enum ShapeFile {
 }
 
 /// One transformation.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum TransformFile {
     /// Shift.
@@ -225,7 +230,8 @@ pub enum TransformFile {
 }
 
 /// Light that something gives off: the shape of its spectrum, and its level.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct EmissionFile {
     /// Shape of the spectrum.
@@ -238,7 +244,8 @@ pub struct EmissionFile {
 }
 
 /// How much light: one quantity, converted through the real geometry and spectrum.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum LevelFile {
     /// Luminous flux in lumen.
@@ -335,7 +342,8 @@ impl LevelFile {
 }
 
 /// A light without a surface.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum LightFile {
     /// Light from one point.
@@ -352,7 +360,8 @@ pub enum LightFile {
 }
 
 /// How a point light's intensity depends on direction.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DistributionFile {
     /// The same in every direction.
@@ -376,7 +385,8 @@ pub enum DistributionFile {
 }
 
 /// An instrument in the scene.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MeterFile {
     /// Illuminance on a plane.

@@ -3,11 +3,11 @@
 use super::file::{SensorFile, SpectrumFile, Vector};
 use crate::camera::{Matrix, Tone};
 use crate::units::{FStop, Iso, Seconds};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The camera: where it is, its optics, its exposure.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CameraFile {
     /// Position of the pinhole or the lens' centre.
@@ -79,7 +79,8 @@ fn standard_observer() -> SensorFile {
 }
 
 /// The speed point of ISO 12232 that fixes the level of a developed picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Anchor {
     /// Saturation-based speed: 1.0 is the saturation exposure 78 lx s / ISO.
@@ -92,7 +93,8 @@ pub enum Anchor {
 }
 
 /// How illuminance at the sensor falls off from the optical axis.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum VignettingFile {
     /// Not at all.
@@ -115,7 +117,8 @@ pub enum VignettingFile {
 }
 
 /// Electronics of a sensor, after EMVA 1288. Every pixel counts every channel.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ElectronicsFile {
     /// Electrons per photon where the sensor is most efficient, 0 to 1; the sensitivities give
@@ -154,7 +157,8 @@ const fn base_iso() -> f64 {
 }
 
 /// Noise of the electronics; the seed decides it, not the number of threads.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct NoiseFile {
     /// Seed of the random numbers.
@@ -173,7 +177,8 @@ const fn yes() -> bool {
 }
 
 /// How pictures are developed.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DevelopmentFile {
     /// From the sensor's white-balanced channels to colours. Left out: pictures are made of

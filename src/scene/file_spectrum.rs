@@ -3,6 +3,7 @@
 
 use super::file::BandFile;
 use crate::units::Kelvin;
+#[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
@@ -11,8 +12,9 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 /// A spectrum: a number (the same at every wavelength), a name, or a description.
-#[derive(Clone, Debug, JsonSchema)]
-#[schemars(untagged)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(untagged))]
 pub enum SpectrumFile {
     /// The same value at every wavelength.
     Value(f64),
@@ -23,7 +25,8 @@ pub enum SpectrumFile {
 }
 
 /// A spectrum described in place.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SpectrumDescription {
     /// Black body.
@@ -68,7 +71,8 @@ pub enum SpectrumDescription {
 }
 
 /// A spectral line.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LineFile {
     /// Wavelength in nm, in air as the other tables. Outside 360 to 830 nm a line counts in
@@ -84,8 +88,9 @@ const fn one() -> f64 {
 }
 
 /// A refractive index: a number, a name, or a description.
-#[derive(Clone, Debug, JsonSchema)]
-#[schemars(untagged)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(untagged))]
 pub enum IndexFile {
     /// Without dispersion.
     Value(f64),
@@ -96,7 +101,8 @@ pub enum IndexFile {
 }
 
 /// A refractive index described in place.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum IndexDescription {
     /// n = a + b / lambda^2.
@@ -137,8 +143,9 @@ pub enum IndexDescription {
 }
 
 /// A metal: a built-in name, or its complex refractive index n + i k.
-#[derive(Clone, Debug, JsonSchema)]
-#[schemars(untagged)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(untagged))]
 pub enum MetalFile {
     /// A built-in metal.
     Name(String),
@@ -147,7 +154,8 @@ pub enum MetalFile {
 }
 
 /// A metal's complex refractive index.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MetalDescription {
     /// Real part.
@@ -157,8 +165,9 @@ pub struct MetalDescription {
 }
 
 /// A camera's sensitivities: a built-in name, a table, or filters before a detector.
-#[derive(Clone, Debug, JsonSchema)]
-#[schemars(untagged)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(untagged))]
 pub enum SensorFile {
     /// `cie-1931`, or a built-in sensitivity.
     Name(String),
@@ -167,7 +176,8 @@ pub enum SensorFile {
 }
 
 /// A sensor described in place.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SensorDescription {
     /// A CSV file with wavelengths in its first column and one column for each channel.
@@ -186,7 +196,8 @@ pub enum SensorDescription {
 
 /// How a detector behind filters answers to light, as far as wavelengths differ; levels are
 /// the business of `electronics`.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DetectorFile {
     /// Electrons per photon: 1 counts all photons alike. A channel then holds the integral of
@@ -300,6 +311,7 @@ impl<'de> Deserialize<'de> for BandFile {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for BandFile {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "BandFile".into()

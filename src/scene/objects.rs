@@ -22,6 +22,18 @@ use std::rc::Rc;
 /// The largest length in metres: transport's numbers have 32 bits.
 const FARTHEST_M: f64 = f32::MAX as f64;
 
+/// Reads a mesh file's bytes; `None` where the build has no reader.
+type MeshParser = Option<fn(&Path, &[u8]) -> std::result::Result<Mesh, MeshFileError>>;
+
+#[cfg(feature = "meshes")]
+const PARSE_PLY: MeshParser = Some(crate::geometry::parse_ply);
+#[cfg(feature = "meshes")]
+const PARSE_OBJ: MeshParser = Some(crate::geometry::parse_obj);
+#[cfg(not(feature = "meshes"))]
+const PARSE_PLY: MeshParser = None;
+#[cfg(not(feature = "meshes"))]
+const PARSE_OBJ: MeshParser = None;
+
 /// Geometry while it is being put up.
 pub(super) struct Stage<'a> {
     unit: LengthUnit,
@@ -160,21 +172,14 @@ impl<'a> Stage<'a> {
                     triangles: triangles.clone(),
                 })
             }
-            ShapeFile::Ply { file } => {
-                self.mesh_file(file, crate::geometry::parse_ply).map_err(|e| e.under("file"))?
-            }
-            ShapeFile::Obj { file } => {
-                self.mesh_file(file, crate::geometry::parse_obj).map_err(|e| e.under("file"))?
-            }
+            ShapeFile::Ply { file } => self.mesh_file(file, PARSE_PLY).map_err(|e| e.under("file"))?,
+            ShapeFile::Obj { file } => self.mesh_file(file, PARSE_OBJ).map_err(|e| e.under("file"))?,
         })
     }
 
     /// A mesh from its file; the mesh's faults stand there, that it cannot be read in the scene.
-    fn mesh_file(
-        &mut self,
-        file: &str,
-        parse: impl Fn(&Path, &[u8]) -> std::result::Result<Mesh, MeshFileError>,
-    ) -> Result<Shape> {
+    fn mesh_file(&mut self, file: &str, parser: MeshParser) -> Result<Shape> {
+        let Some(parse) = parser else { return Err(Error::not_built("mesh files", "meshes")) };
         let bytes = self.files.read(file, Kind::Mesh)?;
         let path = self.files.path_of(file);
         let mut mesh = parse(&path, &bytes).map_err(|fault| {
