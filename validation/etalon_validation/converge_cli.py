@@ -67,6 +67,10 @@ def run_converge(chosen):
         raise InputError("SCENE.json", "is missing", "name one or more scenes; only --baseline has scenes of its own")
     for scene in chosen.scenes:
         study(chosen, scene, chosen.output if len(chosen.scenes) == 1 else chosen.output / name_of(scene))
+    if len(chosen.scenes) > 1:
+        from .converge_overview import write_overview
+
+        say("overview: " + ", ".join(str(path) for path in write_overview(chosen.output)))
     return 0
 
 
