@@ -119,6 +119,7 @@ def run_baseline(chosen):
     from .converge_baseline import check_program, describe, judge, measure
     from .converge_report import finite
     from .converge_runs import Job, machine
+    from .photograph import sha256_of
 
     if chosen.reference:
         raise InputError("--reference", "does not go with --baseline, which judges by scatter", "leave one of them out")
@@ -134,7 +135,8 @@ def run_baseline(chosen):
             pairs, spp = measure(old, chosen.program, job, integrator, chosen.budget or BASELINE_BUDGET_S, chosen.repeats)
             found.append(judge(pairs, chosen.factor, name_of(scene), integrator, spp))
             say(describe(found[-1], chosen.factor))
-    told = {"date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"), "machine": before, "factor": chosen.factor, "comparisons": [asdict(entry) for entry in found]}
+    programs = {name: {"file": str(file), "sha256": sha256_of(file)} for name, file in (("old", old), ("new", chosen.program))}
+    told = {"date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"), "machine": before, "programs": programs, "factor": chosen.factor, "comparisons": [asdict(entry) for entry in found]}
     (chosen.output / "baseline.json").write_text(json.dumps(finite(told), indent=2, allow_nan=False) + "\n", encoding="utf-8")
     fallen = [entry for entry in found if entry.verdict == "fell"]
     for entry in fallen:
