@@ -3,6 +3,7 @@
 mod arguments;
 mod check;
 mod checkpoint;
+mod compare;
 mod develop;
 mod faults;
 mod measure;
@@ -38,6 +39,8 @@ enum Command {
     Check(check::Arguments),
     /// Read a scene's illuminance and luminance meters
     Measure(measure::Arguments),
+    /// Compare two EXRs of one view, of this or any renderer: errors, tests, and whether they are equal
+    Compare(compare::Arguments),
     /// Take one sample again and print its path vertex by vertex
     Replay(replay::Arguments),
     /// Print the JSON Schema of the scene format
@@ -55,6 +58,7 @@ pub fn run() -> anyhow::Result<ExitCode> {
         Command::Develop(arguments) => develop::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Schema => schema::run(),
         Command::Spectra(arguments) => spectra::run(&arguments),

@@ -33,7 +33,7 @@ struct KnownFacts {
 const REMEDY: &str = "give an EXR written by `etalon render`";
 
 /// Larger files are refused before they are read.
-const MOST_BYTES: u64 = 16 << 30;
+pub(super) const MOST_BYTES: u64 = 16 << 30;
 
 /// Bytes of pixels that one byte of a file can stand for at most: what deflate reaches, with
 /// room for other methods. A header that announces more is wrong, whatever follows it.
@@ -90,7 +90,7 @@ pub fn parse_exr(bytes: &[u8]) -> Result<Rendered> {
 }
 
 /// Refuses a file whose header announces more pixels than it can hold.
-fn check_size(bytes: &[u8], undecodable: &dyn Fn(&exr::error::Error) -> Error) -> Result<()> {
+pub(super) fn check_size(bytes: &[u8], undecodable: &dyn Fn(&exr::error::Error) -> Error) -> Result<()> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| undecodable(&e))?;
     let room = (bytes.len() as u64).saturating_mul(MOST_INFLATION);
     for header in &meta.headers {
