@@ -102,7 +102,10 @@ fn a_picture_is_found_among_layers() {
         Written { channels, white_luminance: Some(1.0), ..Written::default() }.write(&folder, name, SIZE)
     };
     assert_near(ratio(&compared(&file(channels(root), "root.exr"), &known, "")), 1.0);
-    let several = file(channels(["beauty.R", "beauty.G", "beauty.B", "albedo.R", "albedo.G", "albedo.B"]), "several.exr");
+    let several = file(
+        channels(["beauty.R", "beauty.G", "beauty.B", "albedo.R", "albedo.G", "albedo.B"]),
+        "several.exr",
+    );
     let refused = compare(&several, &known, "");
     assert_eq!(refused.code, 2);
     assert!(
