@@ -91,8 +91,9 @@ fn alarms(json: &Value, per_block: u64) -> usize {
 }
 
 /// 2000 pairs at the stated rate of 1e-3: more than nine are called different once in 20 000 times
-/// (Poisson). The errors of the fine pictures, of which several pairs share one, are far below
-/// those of the coarse ones.
+/// (Poisson). Pictures of so few samples are the worst case: light that a picture has not met raises
+/// alarms beyond the rate. The errors of the fine pictures, of which several pairs share one, are
+/// far below those of the coarse ones.
 #[test]
 fn equal_pictures_are_hardly_ever_called_different() {
     let cases = [
