@@ -2,8 +2,8 @@
 //!
 //! Exit codes: 0 done, 1 something failed, 2 something that the user gave is wrong, 3 the
 //! picture would miss light, has samples that were not finite or shows radiance that has no finite
-//! value, and `--strict` was asked for, 4 no light was found where there
-//! may be some.
+//! value, and `--strict` was asked for, or two pictures compare otherwise than `--require` asks,
+//! 4 no light was found where there may be some.
 
 mod cli;
 

@@ -98,7 +98,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 /// A relative error, as a share of one or in per cent.
-fn error(text: &str) -> Result<f64, String> {
+pub fn error(text: &str) -> Result<f64, String> {
     let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
     let share = number.trim_end().parse::<f64>().map(|value| value / unit).ok();
     let share = share.filter(|share| *share > 0.0 && *share < 1.0);

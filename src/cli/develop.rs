@@ -261,7 +261,7 @@ fn tell(camera: &CameraRecord, before: &CameraRecord, saturated: Option<u64>) {
     camera.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
 }
 
-fn positive(text: &str) -> std::result::Result<f64, String> {
+pub fn positive(text: &str) -> std::result::Result<f64, String> {
     let value = text.parse().ok().filter(|value: &f64| *value > 0.0 && value.is_finite());
     value.ok_or_else(|| "give a positive number".to_owned())
 }

@@ -3,6 +3,7 @@
 mod arguments;
 mod check;
 mod checkpoint;
+mod compare;
 mod converge;
 mod develop;
 mod faults;
@@ -39,6 +40,8 @@ enum Command {
     Check(check::Arguments),
     /// Read a scene's illuminance and luminance meters
     Measure(measure::Arguments),
+    /// Compare two EXRs of one view, of this or any renderer: errors, tests, and whether they are equal
+    Compare(compare::Arguments),
     /// Measure error against run time for several algorithms, or efficiency against an earlier program
     Converge(converge::Arguments),
     /// Take one sample again and print its path vertex by vertex
@@ -58,6 +61,7 @@ pub fn run() -> anyhow::Result<ExitCode> {
         Command::Develop(arguments) => develop::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Converge(arguments) => converge::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Schema => schema::run(),

@@ -33,7 +33,7 @@ struct KnownFacts {
 const REMEDY: &str = "give an EXR written by `etalon render`";
 
 /// Larger files are refused before they are read.
-const MOST_BYTES: u64 = 16 << 30;
+pub(super) const MOST_BYTES: u64 = 16 << 30;
 
 /// Bytes of pixels that one byte of a file can stand for at most: what deflate reaches, with
 /// room for other methods. A header that announces more is wrong, whatever follows it.

@@ -17,15 +17,15 @@ use super::welch::{Moments, Welch};
 use std::fmt;
 
 /// Share of the suspicious pixels that are so by chance.
-const FALSE_DISCOVERIES: f64 = 0.05;
+pub const FALSE_DISCOVERIES: f64 = 0.05;
 /// Side of the square of cells around a cell that say how its batches scatter.
-const NEIGHBOURHOOD: usize = 5;
+pub const NEIGHBOURHOOD: usize = 5;
 /// Fewest cells that tell a skewness well enough to correct for it.
-const FEWEST_FOR_CORRECTION: usize = 9;
+pub const FEWEST_FOR_CORRECTION: usize = 9;
 /// Scatter of batches over their mean, squared, up to which their mean is near normal.
 pub const TAME: f64 = 0.25;
 /// Share of a level's cells that must pass the rule: where fewer do, it is by chance.
-const FEWEST_TAME: f64 = 0.25;
+pub const FEWEST_TAME: f64 = 0.25;
 /// Skewness of batches up to which Welch's test can be corrected for it: at 1, half of the
 /// batches can be bright and half dark, and a cell is still sure to meet both kinds.
 const LARGEST_SKEWNESS: f64 = 1.0;

@@ -4,6 +4,7 @@
 mod agreement;
 mod batches;
 mod cells;
+mod comparison;
 mod error_measures;
 mod multiple;
 mod pyramid;
@@ -14,6 +15,10 @@ mod welch;
 pub use agreement::{ALPHA, Agreement, Verdict};
 pub use batches::{BATCHES, BatchMean};
 pub use cells::{LevelTest, WorstCell};
+pub use comparison::{
+    CellErrors, Comparison, Corrected, Estimate, Excess, LevelResult, Measures, Noise, Outcome, Subject,
+    WholeRatio,
+};
 pub use error_measures::{FLOOR_SHARE, RelativeMse, relative_mse};
 pub use ratio::{MARGIN, RatioInterval};
 pub use together::PValuesTest;

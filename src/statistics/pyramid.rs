@@ -49,17 +49,22 @@ impl Level {
         sums
     }
 
-    /// The square of `side` cells, or as much of it as there is, that lies around a cell, or
-    /// has it near an edge where it is near the picture's.
+    /// See [`around`].
     pub fn around(&self, cell: usize, side: usize) -> impl Iterator<Item = usize> + use<> {
-        let (x, y, columns) = (cell % self.columns, cell / self.columns, self.columns);
-        let span = |at: usize, end: usize| {
-            let first = at.saturating_sub(side / 2).min(end.saturating_sub(side));
-            first..(first + side).min(end)
-        };
-        let (xs, ys) = (span(x, self.columns), span(y, self.rows));
-        ys.flat_map(move |row| xs.clone().map(move |column| row * columns + column))
+        around([self.columns, self.rows], cell, side)
     }
+}
+
+/// The square of `side` cells, or as much of it as there is, that lies around a cell of a grid of
+/// columns and rows, or has it near an edge where it is near the grid's.
+pub fn around([columns, rows]: [usize; 2], cell: usize, side: usize) -> impl Iterator<Item = usize> + use<> {
+    let (x, y) = (cell % columns, cell / columns);
+    let span = |at: usize, end: usize| {
+        let first = at.saturating_sub(side / 2).min(end.saturating_sub(side));
+        first..(first + side).min(end)
+    };
+    let (xs, ys) = (span(x, columns), span(y, rows));
+    ys.flat_map(move |row| xs.clone().map(move |column| row * columns + column))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Differences below this share of the values do not count: paths carry single precision.
-const ROUNDING: f64 = 2e-5;
+pub const ROUNDING: f64 = 2e-5;
 
 /// Independent values of one quantity in moments.
 #[derive(Clone, Copy, Debug, Default)]
@@ -81,7 +81,7 @@ impl Welch {
 /// Values with a long tail upwards often miss it, and then their mean and their scatter are
 /// both too small: t is skewed the other way. Hall 1992, "On the removal of skewness by
 /// transformation", section 2, with g = gamma / sqrt(n).
-fn unskewed(t: f64, g: f64) -> f64 {
+pub fn unskewed(t: f64, g: f64) -> f64 {
     t + g * t * t / 3.0 + g * g * t.powi(3) / 27.0 + g / 6.0
 }
 
@@ -96,7 +96,7 @@ pub fn deviate(p: f64) -> f64 {
     Normal::standard().inverse_cdf(0.5 * p.max(1e-300)).abs()
 }
 
-fn student(freedom: f64) -> StudentsT {
+pub fn student(freedom: f64) -> StudentsT {
     StudentsT::new(0.0, 1.0, freedom).expect("two or more values on either side")
 }
 
