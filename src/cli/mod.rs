@@ -4,6 +4,7 @@ mod arguments;
 mod check;
 mod checkpoint;
 mod develop;
+mod error_words;
 mod faults;
 mod measure;
 mod memory;

@@ -16,6 +16,6 @@ pub use developed::{DEVELOPED_ENDINGS, write_developed, write_raw};
 pub use exif::Label;
 pub use exr_file::{FACTS_ATTRIBUTE, Layers, RESPONSES_ATTRIBUTE, write_exr};
 pub use exr_read::{Rendered, parse_exr, read_exr, read_facts, read_levels};
-pub use facts::{Facts, Stopping};
+pub use facts::{ErrorFacts, Facts, Projection, Stopping};
 pub use safely::{Writer, write_text, write_whole};
 pub use sheet::{Tile, write_sheet};
