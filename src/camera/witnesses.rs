@@ -92,35 +92,62 @@ impl Batches {
         let empty = vec![0.0; self.block.len()];
         self.sizes.push(size);
         self.sums.push(std::mem::replace(&mut self.block, empty));
-        if self.sums.len() > MOST_BATCHES {
-            self.merge();
+        if self.sums.len() > MOST_BATCHES
+            && let Some((at, _)) = self.smallest_pair()
+        {
+            self.merge(at);
         }
     }
 
-    /// Puts the two neighbours together that are smallest.
-    fn merge(&mut self) {
-        let pair = |at: &usize| self.sizes[*at] + self.sizes[at + 1];
-        let smallest = (0..self.sizes.len() - 1).min_by(|a, b| pair(a).total_cmp(&pair(b)));
-        let Some(at) = smallest else { return };
+    /// Where the two neighbours begin that are smallest together, and what they come to.
+    fn smallest_pair(&self) -> Option<(usize, f64)> {
+        let pairs = self.sizes.windows(2).map(|pair| pair[0] + pair[1]).enumerate();
+        pairs.min_by(|(_, a), (_, b)| a.total_cmp(b))
+    }
+
+    /// Puts a batch and the next one together.
+    fn merge(&mut self, at: usize) {
         let (size, sums) = (self.sizes.remove(at + 1), self.sums.remove(at + 1));
         self.sizes[at] += size;
         self.sums[at].iter_mut().zip(sums).for_each(|(sum, more)| *sum += more);
     }
 
+    /// The same in batches of which none has less than half the size of the largest: a few samples
+    /// scatter less evenly than many.
+    fn balanced(&self) -> Self {
+        let mut batches = self.clone();
+        while let Some(smallest) = batches.too_small() {
+            let size = |at: Option<usize>| at.and_then(|at| batches.sizes.get(at)).copied();
+            let before = size(smallest.checked_sub(1)).unwrap_or(f64::INFINITY);
+            let after = size(Some(smallest + 1)).unwrap_or(f64::INFINITY);
+            batches.merge(if before < after { smallest - 1 } else { smallest });
+        }
+        batches
+    }
+
+    /// The smallest batch, where it has less than half the size of the largest.
+    fn too_small(&self) -> Option<usize> {
+        let largest = self.sizes.iter().copied().fold(0.0, f64::max);
+        let smallest = (0..self.sizes.len()).min_by(|a, b| self.sizes[*a].total_cmp(&self.sizes[*b]));
+        smallest.filter(|at| self.sizes[*at] < 0.5 * largest)
+    }
+
     /// How the batches scatter around the mean of all; `None` before two.
     ///
-    /// The residual of batch b is (sum_b - mean size_b) / (sum of sizes), as for a ratio of sums
-    /// over independent batches (Cochran 1977, "Sampling Techniques", equation 2.39), so that the
-    /// variance of the mean is estimated by G / (G - 1) times the sum of their squares.
+    /// The residual of one of G batches is (mean of the batch - mean of all) / G, times the root of
+    /// its size over the mean size. The variance of the mean of all is then estimated by
+    /// G / (G - 1) times the sum of their squares, to which every batch contributes alike.
     pub fn scatter(&self, scale: f64) -> Option<Scatter> {
-        let all: f64 = self.sizes.iter().sum();
-        if self.sums.len() < 2 || all <= 0.0 {
+        let Self { sizes, sums, .. } = self.balanced();
+        let all: f64 = sizes.iter().sum();
+        if sums.len() < 2 || all <= 0.0 {
             return None;
         }
-        let mean = |witness: usize| self.sums.iter().map(|sums| sums[witness]).sum::<f64>() / all;
+        let mean = |witness: usize| sums.iter().map(|sums| sums[witness]).sum::<f64>() / all;
         let means: Vec<f64> = (0..self.block.len()).map(mean).collect();
-        let residuals = self.sums.iter().zip(&self.sizes).map(|(sums, size)| {
-            sums.iter().zip(&means).map(|(sum, mean)| scale * (sum - mean * size) / all).collect()
+        let residuals = sums.iter().zip(&sizes).map(|(sums, size)| {
+            let scale = scale / (size * all * sizes.len() as f64).sqrt();
+            sums.iter().zip(&means).map(|(sum, mean)| scale * (sum - mean * size)).collect()
         });
         Some(Scatter { residuals: residuals.collect(), is_known: false })
     }
@@ -146,6 +173,15 @@ pub struct Scatter {
 }
 
 impl Scatter {
+    /// Variance that it gives each witness.
+    pub fn variances(&self) -> Vec<f64> {
+        let batches = self.residuals.len() as f64;
+        let share = if self.is_known { 1.0 } else { batches / (batches - 1.0) };
+        let witnesses = self.residuals.first().map_or(0, Vec::len);
+        let squares = |witness: usize| self.residuals.iter().map(|of| of[witness] * of[witness]).sum::<f64>();
+        (0..witnesses).map(|witness| share * squares(witness)).collect()
+    }
+
     /// The same cause of error in a picture of which this one has a share.
     #[must_use]
     pub fn times(mut self, share: f64) -> Self {
@@ -189,15 +225,29 @@ mod tests {
     }
 
     #[test]
+    fn the_small_blocks_of_a_beginning_are_one_batch() {
+        let mut batches = Batches::new(1);
+        for size in [1.0, 1.0, 2.0, 4.0, 8.0, 16.0, 16.0, 2.0] {
+            batches.finish_block(size);
+        }
+        assert_eq!(batches.balanced().sizes, [16.0, 16.0, 18.0]);
+        let mut even = Batches::new(1);
+        (0..4).for_each(|_| even.finish_block(16.0));
+        assert_eq!(even.balanced().sizes, [16.0; 4]);
+    }
+
+    #[test]
     fn residuals_are_those_of_a_mean() {
         let mut batches = Batches::new(1);
-        for (value, size) in [(1.0, 1.0), (5.0, 2.0), (6.0, 3.0)] {
+        for (value, size) in [(1.0, 2.0), (5.0, 2.0), (6.0, 2.0)] {
             batches.add(0..1, |_| value);
             batches.finish_block(size);
         }
-        // Mean 2: (1 - 2) / 6, (5 - 4) / 6, 0.
-        let residuals = batches.scatter(3.0).expect("three batches").residuals;
-        assert_eq!(residuals, [[-0.5], [0.5], [0.0]]);
+        // Mean 2: (1 - 4) / 6, (5 - 4) / 6, (6 - 4) / 6.
+        let residuals = batches.scatter(6.0).expect("three batches").residuals;
+        for (residual, truth) in residuals.iter().flatten().zip([-3.0, 1.0, 2.0]) {
+            assert!((residual - truth).abs() < 1e-12, "{residual}, truth {truth}");
+        }
         assert!(Batches::new(1).scatter(1.0).is_none());
     }
 }

@@ -144,6 +144,7 @@ impl Facts {
         film: &Film,
         times: Times,
     ) -> Self {
+        let error = ErrorFacts::of(film, &times);
         Self {
             version: env!("CARGO_PKG_VERSION"),
             git_hash: option_env!("ETALON_COMMIT"),
@@ -163,8 +164,8 @@ impl Facts {
             missing: plan.unreachable.iter().map(|c| format!("{}: {}", c.word, c.meaning)).collect(),
             notes: scene.notes.clone(),
             conditions: Vec::new(),
-            relative_error: film.relative_error(),
-            error: ErrorFacts::of(film, &times),
+            relative_error: error.as_ref().map(|error| error.picture.relmse.sqrt()),
+            error,
             luminance_cells: film.cell_errors(),
             no_light_found: film.is_black() && scene.emitters.iter().any(|emitter| emitter.weight() > 0.0),
             non_finite_samples: film.faults.count,

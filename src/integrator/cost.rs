@@ -83,7 +83,7 @@ impl Times {
     /// picture has `relative_error`.
     pub fn to_reach(&self, target: f64, relative_error: f64) -> Cost {
         let before = [self.load, self.pilot, self.bootstrap].into_iter().flatten();
-        before.fold(self.render.times((relative_error / target).powi(2)), Cost::plus)
+        before.fold(self.render.times(1.0 / share_done(target, relative_error)), Cost::plus)
     }
 }
 
