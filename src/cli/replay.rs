@@ -220,8 +220,7 @@ fn chosen(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<Chosen>
             return Err(Error::new("chains have no samples of a pixel")
                 .hint("use --integrator bdpt, or --from FILE --sample N"));
         }
-        let view = view(arguments, known, scene)?;
-        let splats = plan(arguments, known, scene, &view)?.strategies.splats();
+        let splats = splats(arguments, known, scene)?;
         let (seed, regular) = in_file(arguments, of_the_render(arguments, known, splats))?;
         let (block_size, regular_size) = in_file(arguments, size(arguments, regular))?;
         let Arguments { block, index, .. } = *arguments;
@@ -350,6 +349,14 @@ fn view(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<View> {
 fn plan(arguments: &Arguments, known: &Known, scene: &Scene, view: &View) -> Result<Plan> {
     let plan = Plan::of(scene, &view.sensor, integrator(arguments, known)?.strategies());
     Ok(Plan { most_bounces: known.max_bounces, ..plan })
+}
+
+/// Whether the pixels of the render shared paths, by the algorithm that it was made with.
+fn splats(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<bool> {
+    let view = view(arguments, known, scene)?;
+    let rendered_by = known.integrator.as_deref().and_then(Integrator::named);
+    let by = rendered_by.map_or_else(|| integrator(arguments, known), Ok)?;
+    Ok(Plan::of(scene, &view.sensor, by.strategies()).strategies.splats())
 }
 
 fn pixel(text: &str) -> std::result::Result<[u32; 2], String> {
