@@ -15,11 +15,11 @@ use serde_json::json;
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, FisherSnedecor};
 
 const RUNS: u64 = 256;
-const SAMPLES_PER_PIXEL: u64 = 32;
+const SAMPLES_PER_PIXEL: u64 = 64;
 const LUMINANCE: usize = 1;
 /// Probability of a false alarm of each comparison.
 const ALARM: f64 = 1e-3;
-/// Mean of the estimates over the mean error: what may be left of the bend at errors of 10 to 30 %.
+/// What the picture in place of the truth may bend the estimate by, at errors of 5 to 20 %.
 const MOST_BIAS: f64 = 0.1;
 
 /// Pictures of a room of matte surfaces.

@@ -173,15 +173,6 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// Variance that it gives each witness.
-    pub fn variances(&self) -> Vec<f64> {
-        let batches = self.residuals.len() as f64;
-        let share = if self.is_known { 1.0 } else { batches / (batches - 1.0) };
-        let witnesses = self.residuals.first().map_or(0, Vec::len);
-        let squares = |witness: usize| self.residuals.iter().map(|of| of[witness] * of[witness]).sum::<f64>();
-        (0..witnesses).map(|witness| share * squares(witness)).collect()
-    }
-
     /// The same cause of error in a picture of which this one has a share.
     #[must_use]
     pub fn times(mut self, share: f64) -> Self {
