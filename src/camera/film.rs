@@ -4,9 +4,15 @@
 //! about the error of their mean; different blocks are drawn independently, and the scatter
 //! of block sums gives an unbiased variance.
 
+use super::cells::{CellErrors, Cells};
+use super::picture_error::{self, Known, PictureError};
+use super::witnesses::{Batches, Scatter};
 use crate::path::BothFates;
 use crate::replay::Faults;
 use serde::{Deserialize, Serialize};
+
+/// Channel of luminance.
+pub(crate) const LUMINANCE: usize = 1;
 
 /// Sums over the blocks of one channel of one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -36,6 +42,21 @@ impl BlockStatistics {
     }
 }
 
+/// What a film keeps of each block beside its pixels, to know what these share.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Watch {
+    cells: Cells,
+    batches: Batches,
+}
+
+/// The same of a picture that was put together from others.
+#[derive(Clone, Debug)]
+pub(crate) struct Finished {
+    pub scatters: Vec<Scatter>,
+    pub cells: Option<CellErrors>,
+    pub correlated: bool,
+}
+
 /// A picture being gathered.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Film {
@@ -45,6 +66,11 @@ pub struct Film {
     statistics: Vec<BlockStatistics>,
     /// Sums of the block being taken, where light may arrive at any pixel at any time.
     block: Option<Vec<f64>>,
+    /// What pixels share; `None` where nobody asks.
+    watch: Option<Watch>,
+    /// That of a picture that was put together.
+    #[serde(skip)]
+    finished: Option<Finished>,
     /// Samples that every pixel has.
     samples_per_pixel: u64,
     /// Blocks that every pixel has.
@@ -59,8 +85,17 @@ impl Film {
     /// An empty film; `splats` where pixels receive more than their own samples.
     pub fn new(resolution: [u32; 2], channels: usize, splats: bool) -> Self {
         let pixels = resolution[0] as usize * resolution[1] as usize;
+        let watch = Watch { cells: Cells::new(resolution), batches: Batches::new(pixels) };
+        Self { watch: Some(watch), ..Self::plain(resolution, channels, splats) }
+    }
+
+    /// One that knows errors of pixels alone.
+    pub(crate) fn plain(resolution: [u32; 2], channels: usize, splats: bool) -> Self {
+        let pixels = resolution[0] as usize * resolution[1] as usize;
         Self {
             block: splats.then(|| vec![0.0; pixels * channels]),
+            watch: None,
+            finished: None,
             resolution,
             channels,
             statistics: vec![BlockStatistics::default(); pixels * channels],
@@ -98,6 +133,10 @@ impl Film {
             && self.channels == channels
             && self.statistics.len() == values
             && self.block.as_ref().is_none_or(|block| block.len() == values)
+            && self
+                .watch
+                .as_ref()
+                .is_none_or(|watch| watch.cells.fits(resolution) && watch.batches.fits(self.pixels()))
     }
 
     /// Adds the sums of a row's own samples, `count` in each pixel, channel by channel.
@@ -107,8 +146,11 @@ impl Film {
         match &mut self.block {
             Some(block) => block[range].iter_mut().zip(sums).for_each(|(total, sum)| *total += sum),
             None => {
-                let row = &mut self.statistics[range];
-                row.iter_mut().zip(sums).for_each(|(statistic, sum)| statistic.add_block(*sum, count));
+                let statistics = &mut self.statistics[range];
+                statistics.iter_mut().zip(sums).for_each(|(statistic, sum)| statistic.add_block(*sum, count));
+                if let Some(watch) = &mut self.watch {
+                    watch.add_row(row, sums, self.channels);
+                }
             }
         }
     }
@@ -125,6 +167,16 @@ impl Film {
 
     /// Notes that every pixel has received one block of `count` samples.
     pub fn finish_block(&mut self, count: u32) {
+        if let (Some(block), Some(watch)) = (&self.block, &mut self.watch) {
+            let row_length = self.resolution[0] as usize * self.channels;
+            for (row, sums) in block.chunks_exact(row_length).enumerate() {
+                watch.add_row(row, sums, self.channels);
+            }
+        }
+        if let Some(watch) = &mut self.watch {
+            watch.cells.finish_block(count);
+            watch.batches.finish_block(f64::from(count));
+        }
         if let Some(block) = &mut self.block {
             for (statistic, sum) in self.statistics.iter_mut().zip(block) {
                 statistic.add_block(*sum, count);
@@ -178,6 +230,8 @@ impl Film {
         both.samples_per_pixel = self.samples_per_pixel.saturating_add(other.samples_per_pixel);
         // Two means are estimated from the blocks, not one.
         both.blocks = self.blocks.saturating_add(other.blocks).saturating_sub(1);
+        both.finished = Some(self.finished_mean_with(other));
+        both.watch = None;
         both.faults.merge(other.faults.clone());
         both.fates.merge(&other.fates);
         both.set(|pixel, channel| {
@@ -198,22 +252,94 @@ impl Film {
         self.resolution[0] as usize * self.resolution[1] as usize
     }
 
-    /// Estimated relative error of the luminance image: root of the mean over pixels of
-    /// variance / (luminance^2 + (1 % of the mean)^2). `None` before two blocks, and of a black
-    /// picture: light that was not found has an error that nobody knows.
+    /// Whether pixels share random numbers.
+    pub fn is_correlated(&self) -> bool {
+        self.finished.as_ref().map_or(self.block.is_some(), |finished| finished.correlated)
+    }
+
+    /// Independent causes of its error, at some pixels.
+    pub(crate) fn scatters(&self) -> Vec<Scatter> {
+        match (&self.finished, &self.watch) {
+            (Some(finished), _) => finished.scatters.clone(),
+            (None, Some(watch)) => watch.batches.scatter(1.0).into_iter().collect(),
+            (None, None) => Vec::new(),
+        }
+    }
+
+    /// Standard errors of mean luminance over squares of pixels; `None` before two blocks.
+    pub fn cell_errors(&self) -> Option<CellErrors> {
+        match (&self.finished, &self.watch) {
+            (Some(finished), _) => finished.cells.clone(),
+            (None, Some(watch)) => watch.cells.errors(self.samples_per_pixel, self.blocks),
+            (None, None) => None,
+        }
+    }
+
+    /// The same picture, put together from what has these errors.
+    #[must_use]
+    pub(crate) fn with_finished(mut self, finished: Finished) -> Self {
+        self.watch = None;
+        self.finished = Some(finished);
+        self
+    }
+
+    fn finished_mean_with(&self, other: &Self) -> Finished {
+        let scatters = [self, other].into_iter().flat_map(Self::scatters);
+        Finished {
+            scatters: scatters.map(|scatter| scatter.times(0.5)).collect(),
+            cells: self.cell_errors().zip(other.cell_errors()).map(|(one, two)| one.with(&two).times(0.5)),
+            correlated: self.is_correlated() || other.is_correlated(),
+        }
+    }
+
+    /// Channel of luminance; that of a film of one channel is its only one.
+    fn luminance_channel(&self) -> usize {
+        LUMINANCE.min(self.channels - 1)
+    }
+
+    /// Estimated relative error of the luminance picture: the root of its relMSE, which is the mean
+    /// over pixels of variance / (luminance^2 + (1 % of the mean)^2). `None` before two blocks, and
+    /// of a black picture: light that was not found has an error that nobody knows.
     pub fn relative_error(&self) -> Option<f64> {
-        const LUMINANCE: usize = 1;
         if self.blocks < 2 {
             return None;
         }
-        let pixels = self.pixels();
-        let mean = (0..pixels).map(|p| self.mean(p, LUMINANCE)).sum::<f64>() / pixels as f64;
-        let floor = (0.01 * mean).powi(2);
-        if floor == 0.0 {
+        let (channel, pixels) = (self.luminance_channel(), self.pixels());
+        let luminance: Vec<f64> = (0..pixels).map(|pixel| self.mean(pixel, channel)).collect();
+        let weights = picture_error::weights(&luminance)?;
+        let term = |(pixel, weight): (usize, &f64)| self.standard_error(pixel, channel).powi(2) * weight;
+        Some((weights.iter().enumerate().map(term).sum::<f64>() / pixels as f64).sqrt())
+    }
+
+    /// Estimated relMSE of the luminance picture, how sure it is and whether to believe it; `None`
+    /// where [`Self::relative_error`] is.
+    pub fn error(&self) -> Option<PictureError> {
+        if self.blocks < 2 {
             return None;
         }
-        let ratio = |p| self.standard_error(p, LUMINANCE).powi(2) / (self.mean(p, LUMINANCE).powi(2) + floor);
-        Some(((0..pixels).map(ratio).sum::<f64>() / pixels as f64).sqrt())
+        let channel = self.luminance_channel();
+        let luminance: Vec<f64> = (0..self.pixels()).map(|pixel| self.mean(pixel, channel)).collect();
+        let standard_errors: Vec<f64> =
+            (0..self.pixels()).map(|pixel| self.standard_error(pixel, channel)).collect();
+        picture_error::estimate(&Known {
+            luminance: &luminance,
+            standard_errors: &standard_errors,
+            scatters: &self.scatters(),
+            blocks: self.blocks,
+            correlated: self.is_correlated(),
+        })
+    }
+}
+
+impl Watch {
+    /// Adds what the pixels of a row have received of the block being taken, channel by channel.
+    fn add_row(&mut self, row: usize, sums: &[f64], channels: usize) {
+        let channel = LUMINANCE.min(channels - 1);
+        let luminance = |column: usize| sums[column * channels + channel];
+        let width = sums.len() / channels;
+        let first = row * width;
+        self.cells.add_row(row, (0..width).map(luminance));
+        self.batches.add(first..first + width, |pixel| luminance(pixel - first));
     }
 }
 

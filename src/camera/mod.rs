@@ -32,6 +32,7 @@
 //! Sources: ISO 12232:2019 (speed points, q), ISO 2720 (meters), EMVA Standard 1288 release 4.0
 //! (electrons, noise, gain), IEC 61966-2-1 (sRGB), Lam 1985 (Bradford).
 
+mod cells;
 mod darkroom;
 mod develop;
 mod electrons;
@@ -40,11 +41,15 @@ mod film;
 mod fit;
 mod lens;
 mod noise;
+mod picture_error;
 mod record;
 mod sensor;
 mod stages;
 mod vignetting;
+mod witnesses;
 
+pub(crate) use cells::CellGrid;
+pub use cells::{CellErrors, LevelErrors};
 pub use darkroom::{Darkroom, Planes, planes, shows_recorded};
 pub use develop::{Development, Matrix, MatrixTarget, Tone};
 pub use electrons::{
@@ -52,8 +57,11 @@ pub use electrons::{
 };
 pub use exposure::{Exposure, STANDARD_Q, STANDARD_Q_ON_AXIS, clear_lens_q};
 pub use film::{BlockStatistics, Film};
+pub(crate) use film::{Finished, LUMINANCE};
 pub use lens::{Camera, CameraPlacement, Crop, LensAperture};
+pub use picture_error::PictureError;
 pub use record::{CameraRecord, ChannelRecord, Optics, Responses, Seen, White};
 pub use sensor::{CIE_SENSOR, Channel, Detector, Sensor};
 pub use stages::{SWITCHES, Stage};
 pub use vignetting::{Coordinate, FLAT_FIELD_CHANNEL, FlatField, Vignetting, cos4};
+pub(crate) use witnesses::{Batches, Scatter};

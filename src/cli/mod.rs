@@ -6,6 +6,7 @@ mod checkpoint;
 mod compare;
 mod converge;
 mod develop;
+mod error_words;
 mod faults;
 mod measure;
 mod memory;

@@ -1,7 +1,7 @@
 //! The progress bar: samples, elapsed, estimated error, time left; silent off a terminal.
 
 use etalon::camera::Film;
-use etalon::integrator::{Budget, Progress};
+use etalon::integrator::{Budget, Progress, share_done};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::borrow::Cow;
 use std::sync::Mutex;
@@ -34,8 +34,7 @@ impl Bar {
 
     fn show(&self, budget: &Budget, elapsed: Duration, samples: f64, error: Option<f64>) {
         let by_time = budget.time.map(|limit| elapsed.as_secs_f64() / limit.as_secs_f64());
-        // The error falls with the root of the samples.
-        let by_error = budget.error.zip(error).map(|(target, error)| (target / error).powi(2));
+        let by_error = budget.error.zip(error).map(|(target, error)| share_done(target, error));
         let by_samples = samples / budget.samples_per_pixel as f64;
         let done = [by_time, by_error].into_iter().flatten().fold(by_samples, f64::max);
         /// Before this share is done, the time left is a guess.

@@ -2,6 +2,7 @@
 
 use super::arguments::Effort;
 use super::checkpoint::Keeping;
+use super::error_words::error_words;
 use super::faults;
 use super::memory;
 use super::strategies;
@@ -12,7 +13,7 @@ use etalon::image::checkpoint::Identity;
 use etalon::image::{
     DEVELOPED_ENDINGS, Facts, Label, Layers, Stopping, write_developed, write_exr, write_text,
 };
-use etalon::integrator::{Budget, Integrator, Rendering};
+use etalon::integrator::{Budget, Integrator, Rendering, Stopwatch, Times};
 use etalon::metropolis::Outcome;
 use etalon::scene::conditions::{Condition, Kind, ORDINARY_SPP, conditions, in_short};
 use etalon::scene::{NOTHING_SHINES, Plan, Scene, View};
@@ -63,6 +64,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    let since = Stopwatch::start();
     // Before rendering: hours of work should not end in a name that cannot be written.
     check_output(&arguments.output, &["exr"], "the output is an OpenEXR file")?;
     if let Some(png) = &arguments.png {
@@ -102,6 +104,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         exr: &arguments.output,
         png: arguments.png.as_deref(),
         layers,
+        since,
         keeping: Some(&arguments.keeping),
     };
     let rendered = render_to_files(&scene, &view, &arguments.effort, DEFAULT_SPP, &files);
@@ -114,13 +117,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if let Some(report) = &arguments.report {
         write_report(report, &facts)?;
     }
-    let error =
-        facts.relative_error.map_or_else(String::new, |e| format!(", relative error {:.2} %", 100.0 * e));
     super::print(&format!(
-        "{}: {} samples per pixel in {:.1} s{error}",
+        "{}: {} samples per pixel in {:.1} s{}",
         arguments.output.display(),
         facts.samples_per_pixel,
-        facts.seconds
+        facts.seconds,
+        error_words(&facts)
     ));
     if !facts.conditions.is_empty() {
         super::print(&format!(
@@ -271,6 +273,8 @@ pub struct Files<'a> {
     pub exr: &'a Path,
     pub png: Option<&'a Path>,
     pub layers: Layers,
+    /// Counts from where the scene began to be read.
+    pub since: Stopwatch,
     /// Where it is kept on the way, if anywhere.
     pub keeping: Option<&'a Keeping>,
 }
@@ -317,6 +321,7 @@ pub fn render_to_files(
     let identity = Identity::of(scene, view, &plan, integrator, &budget);
     let keeping = files.keeping.cloned().unwrap_or_default();
     let (from, watch) = keeping.begin(identity, view, &budget)?;
+    let load = files.since.cost();
     let rendering = integrator.go_on(scene, view, &plan, &budget, &watch, from);
     watch.finish();
     if let Some(outcome) = &rendering.metropolis
@@ -327,7 +332,9 @@ pub fn render_to_files(
         let text = format!("{}: no direct light was found; {what}; no picture is written", scene.name);
         return Err(NothingFound { text, outcome: outcome.clone() }.into());
     }
-    let Rendering { film, elapsed, metropolis, truncation, ends, spent } = rendering;
+    let times =
+        Times { load: Some(load), pilot: None, bootstrap: rendering.bootstrap, render: rendering.blocks };
+    let Rendering { film, metropolis, truncation, ends, spent, .. } = rendering;
     let mut facts = Facts {
         cpu_seconds: spent.cpu_seconds,
         parts: spent.parts,
@@ -335,7 +342,7 @@ pub fn render_to_files(
         metropolis,
         truncation: Some(truncation),
         conditions,
-        ..Facts::of(scene, view, &plan, integrator, &budget, &film, elapsed)
+        ..Facts::of(scene, view, &plan, integrator, &budget, &film, times)
     };
     let planes = planes(&film, &view.sensor, &view.flat_field());
     let camera = facts.camera.clone();

@@ -5,11 +5,10 @@ use super::render::{DEFAULT_SPP, check_output};
 use etalon::camera::{Development, Film};
 use etalon::error::{Error, Result};
 use etalon::image::{Facts, Layers, Tile, write_exr, write_sheet};
-use etalon::integrator::{Tracer, render_pyramid};
+use etalon::integrator::{Stopwatch, Times, Tracer, render_pyramid};
 use etalon::path::{Eye, Strategies};
 use etalon::scene::{Plan, Scene, View};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 /// Vertices of the longest paths shown.
 const LONGEST: usize = 7;
@@ -36,7 +35,7 @@ pub fn write(
     effort: &Effort,
     layers: Layers,
 ) -> Result<PathBuf> {
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let budget = effort.budget(DEFAULT_SPP);
     // Also what a render leaves out because another strategy is better at it.
     let strategies = effort.integrator().strategies();
@@ -54,7 +53,8 @@ pub fn write(
         for (kind, film, first) in
             [("unweighted", &films.unweighted, 0), ("weighted", &films.weighted, LONGEST + 1)]
         {
-            let facts = Facts::of(scene, view, &plan, effort.integrator(), &budget, film, started.elapsed());
+            let times = Times { render: started.cost(), ..Times::default() };
+            let facts = Facts::of(scene, view, &plan, effort.integrator(), &budget, film, times);
             write_exr(&folder.join(format!("s{s}-t{t}-{kind}.exr")), film, view, &facts, layers)?;
             captioned.push(([(first + s) as u32, row], format!("s{s} t{t} +{row} EV"), film));
         }

@@ -25,7 +25,7 @@ use std::io::{BufWriter, Read as _, Write};
 use std::path::Path;
 
 /// Version of the format that is written and read.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 const MAGIC: [u8; 8] = *b"etalonCP";
 const HEADER_BYTES: usize = MAGIC.len() + size_of::<u32>();

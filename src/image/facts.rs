@@ -1,13 +1,12 @@
 //! What a picture file says about itself, as one JSON text beside the standard attributes.
 
-use crate::camera::{CameraRecord, Crop, Film};
-use crate::integrator::{Budget, End, Integrator, Truncation, cpu_seconds};
+use crate::camera::{CameraRecord, CellErrors, Crop, Film, PictureError};
+use crate::integrator::{Budget, Cost, End, Integrator, Times, Truncation, USUAL_TARGETS, cpu_seconds};
 use crate::metropolis::Outcome;
 use crate::replay::SampleName;
 use crate::scene::conditions::Condition;
 use crate::scene::{Plan, Scene, View};
 use serde::Serialize;
-use std::time::Duration;
 
 /// The facts of a render.
 #[derive(Clone, Debug, Serialize)]
@@ -30,6 +29,8 @@ pub struct Facts {
     /// Processor seconds of all processes of the run so far, loading included, where the system
     /// tells.
     pub cpu_seconds: Option<f64>,
+    /// What the parts of the run took.
+    pub times: Times,
     /// Processes that the run has taken: one, and one more for every time it was resumed.
     pub parts: u32,
     /// When the run was to end.
@@ -51,6 +52,10 @@ pub struct Facts {
     /// Estimated relative error of the luminance picture; `None` from a single block, and of a
     /// black picture.
     pub relative_error: Option<f64>,
+    /// How sure that is and what a smaller error would cost; `None` where it is.
+    pub error: Option<ErrorFacts>,
+    /// Standard errors of mean luminance over squares of pixels; `None` from a single block.
+    pub luminance_cells: Option<CellErrors>,
     /// Whether lamps shine and none of their light was found.
     pub no_light_found: bool,
     /// Contributions that were not finite; they count as zero, which biases their pixels by an
@@ -68,6 +73,38 @@ pub struct Facts {
     pub spectral_layers: usize,
     /// What chains of paths say about themselves.
     pub metropolis: Option<Outcome>,
+}
+
+/// The error of a picture and the cost of smaller ones.
+#[derive(Clone, Debug, Serialize)]
+pub struct ErrorFacts {
+    /// What is known of the error.
+    #[serde(flatten)]
+    pub picture: PictureError,
+    /// What a run like this one takes from the start to usual errors.
+    pub seconds_to: Vec<Projection>,
+}
+
+/// The cost of a relative error.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Projection {
+    /// Relative error of the luminance picture: the root of its relMSE.
+    pub relative_error: f64,
+    /// Cost of the whole run.
+    #[serde(flatten)]
+    pub cost: Cost,
+}
+
+impl ErrorFacts {
+    /// The error of a picture that took this time; `None` where nothing is known.
+    pub fn of(film: &Film, times: &Times) -> Option<Self> {
+        let picture = film.error()?;
+        let now = picture.relmse.sqrt();
+        let seconds_to = USUAL_TARGETS
+            .map(|target| Projection { relative_error: target, cost: times.to_reach(target, now) })
+            .to_vec();
+        Some(Self { picture, seconds_to })
+    }
 }
 
 /// When a run was to end, and what ended it.
@@ -97,7 +134,7 @@ impl Stopping {
 }
 
 impl Facts {
-    /// Gathers the facts of a finished render.
+    /// Gathers the facts of a finished render and of what it took.
     pub fn of(
         scene: &Scene,
         view: &View,
@@ -105,8 +142,9 @@ impl Facts {
         integrator: Integrator,
         budget: &Budget,
         film: &Film,
-        elapsed: Duration,
+        times: Times,
     ) -> Self {
+        let error = ErrorFacts::of(film, &times);
         Self {
             version: env!("CARGO_PKG_VERSION"),
             git_hash: option_env!("ETALON_COMMIT"),
@@ -114,8 +152,9 @@ impl Facts {
             scene_hash: scene.hash.clone(),
             seed: budget.seed,
             samples_per_pixel: film.samples_per_pixel(),
-            seconds: elapsed.as_secs_f64(),
+            seconds: times.render.wall_s + times.bootstrap.map_or(0.0, |cost| cost.wall_s),
             cpu_seconds: cpu_seconds(),
+            times,
             parts: 1,
             stopping: Stopping::of(budget),
             integrator: integrator.name(),
@@ -125,7 +164,9 @@ impl Facts {
             missing: plan.unreachable.iter().map(|c| format!("{}: {}", c.word, c.meaning)).collect(),
             notes: scene.notes.clone(),
             conditions: Vec::new(),
-            relative_error: film.relative_error(),
+            relative_error: error.as_ref().map(|error| error.picture.relmse.sqrt()),
+            error,
+            luminance_cells: film.cell_errors(),
             no_light_found: film.is_black() && scene.emitters.iter().any(|emitter| emitter.weight() > 0.0),
             non_finite_samples: film.faults.count,
             non_finite: film.faults.named.clone(),

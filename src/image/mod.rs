@@ -33,7 +33,7 @@ pub use exif::Label;
 pub use exr_file::{FACTS_ATTRIBUTE, Layers, RESPONSES_ATTRIBUTE, write_exr};
 #[cfg(feature = "exr")]
 pub use exr_read::{Rendered, parse_exr, read_exr, read_facts};
-pub use facts::{Facts, Stopping};
+pub use facts::{ErrorFacts, Facts, Projection, Stopping};
 pub use levels::read_levels;
 #[cfg(feature = "exr")]
 pub use luminance::{LuminancePicture, Unit, read_luminance};

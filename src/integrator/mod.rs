@@ -5,6 +5,7 @@
 //! `stopping` ends it.
 
 mod blocks;
+mod cost;
 mod depth;
 mod direct;
 mod in_order;
@@ -16,6 +17,8 @@ mod tracer;
 
 pub(crate) use blocks::BlockOf;
 pub use blocks::{Taken, block_size, size_of_block};
+pub(crate) use cost::cpu_seconds;
+pub use cost::{Cost, Stopwatch, Times, USUAL_TARGETS, share_done};
 pub use depth::{Bounded, DIVERGENT_BOUNCES, Divergence, Truncation};
 pub(crate) use direct::DirectLight;
 pub(crate) use in_order::InOrder;
@@ -23,7 +26,7 @@ pub use measure::{
     MeterTaken, Reading, eye_of, instrument_plan, meter_sensor, read_meters, read_meters_under,
 };
 pub use pyramid::{Pyramid, StrategyFilms, render_pyramid};
-pub(crate) use run::{Clock, Gathered, Source, cpu_seconds};
+pub(crate) use run::{Clock, Gathered, Source};
 pub use run::{End, Progress, Rendering, Silent, Spent, State};
 pub use stopping::{Budget, FEWEST_SAMPLES, Reason};
 pub use tracer::{Draw, Tracer};

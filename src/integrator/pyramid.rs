@@ -48,7 +48,7 @@ pub fn render_pyramid(
 ) -> Pyramid {
     let [width, height] = view.camera.resolution();
     let channels = view.sensor.channels.len();
-    let empty = || Film::new([width, height], channels, true);
+    let empty = || Film::plain([width, height], channels, true);
     let mut pyramid: Pyramid = (2..=longest)
         .flat_map(|n| (0..=n).map(move |s| (s, n - s)))
         .filter(|(s, t)| plan.strategies.plans(*s, *t))

@@ -5,6 +5,7 @@
 //! how often the run was interrupted.
 
 use super::blocks::BlockOf;
+use super::cost::{Cost, Stopwatch, cpu_seconds};
 use super::depth::Truncation;
 use super::stopping::{Budget, Pace, Reason};
 use crate::camera::Film;
@@ -49,6 +50,10 @@ pub struct Rendering {
     pub ends: Vec<End>,
     /// What all parts have cost.
     pub spent: Spent,
+    /// What chains have learned before the first block has cost; `None` where there are none.
+    pub bootstrap: Option<Cost>,
+    /// What the blocks have cost.
+    pub blocks: Cost,
 }
 
 /// The end of a half.
@@ -60,11 +65,11 @@ pub struct End {
     pub by: Reason,
 }
 
-/// What a run has cost so far. What was lost in an interruption is not in it.
+/// What a run has cost so far, in all its processes. What was lost in an interruption is not in it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spent {
-    /// Wall-clock seconds of rendering.
-    pub seconds: f64,
+    /// Rendering, what chains learn before their first block included.
+    pub rendering: Cost,
     /// Processor seconds of the whole process, loading included, where the system tells.
     pub cpu_seconds: Option<f64>,
     /// Processes that the run has taken: one, and one more for every time it was gone on with.
@@ -104,8 +109,8 @@ pub struct State {
     /// What was learned before the first block.
     pub(crate) learned: Option<Learned>,
     halves: Vec<Half>,
-    /// Seconds before the first block.
-    before_s: f64,
+    /// What came before the first block.
+    before: Cost,
     spent: Spent,
 }
 
@@ -123,26 +128,34 @@ pub(crate) trait Source {
 
 /// Counts what a run costs, from what it has cost before this process.
 pub(crate) struct Clock {
-    started: Instant,
+    watch: Stopwatch,
     earlier: Spent,
 }
 
 impl Clock {
     /// Starts to count; `from` is a state that is gone on from.
     pub fn start(from: Option<&State>) -> Self {
-        let none = Spent { seconds: 0.0, cpu_seconds: Some(0.0), parts: 0 };
-        Self { started: Instant::now(), earlier: from.map_or(none, |state| state.spent) }
+        let none = Spent { rendering: Cost::NOTHING, cpu_seconds: Some(0.0), parts: 0 };
+        Self { watch: Stopwatch::start(), earlier: from.map_or(none, |state| state.spent) }
     }
 
     fn elapsed(&self) -> Duration {
-        let earlier = Duration::try_from_secs_f64(self.earlier.seconds).unwrap_or_default();
-        earlier.saturating_add(self.started.elapsed())
+        self.spent().elapsed()
     }
 
     fn spent(&self) -> Spent {
-        let cpu_seconds = self.earlier.cpu_seconds.zip(cpu_seconds()).map(|(earlier, now)| earlier + now);
-        let parts = self.earlier.parts.saturating_add(1);
-        Spent { seconds: self.elapsed().as_secs_f64(), cpu_seconds, parts }
+        Spent {
+            rendering: self.earlier.rendering.plus(self.watch.cost()),
+            cpu_seconds: self.earlier.cpu_seconds.zip(cpu_seconds()).map(|(earlier, now)| earlier + now),
+            parts: self.earlier.parts.saturating_add(1),
+        }
+    }
+}
+
+impl Spent {
+    /// Wall-clock time of rendering.
+    pub fn elapsed(&self) -> Duration {
+        Duration::try_from_secs_f64(self.rendering.wall_s).unwrap_or_default()
     }
 }
 
@@ -157,7 +170,7 @@ impl State {
         let half = || Half { gathered: source.begin(), seconds: 0.0, verdict: None, ended_with: None };
         let halves = (0..budget.halves()).map(|_| half()).collect();
         let spent = clock.spent();
-        Self { learned, halves, before_s: spent.seconds, spent }
+        Self { learned, halves, before: spent.rendering, spent }
     }
 
     /// Takes blocks until the run has ended.
@@ -194,7 +207,7 @@ impl State {
     /// Whether every half has its verdict. A half that is told to end while it has not decided
     /// itself leaves what it has to the picture and goes on.
     fn judge(&mut self, source: &dyn Source, budget: &Budget) -> bool {
-        let before_s = self.before_s;
+        let before_s = self.before.wall_s;
         for half in self.halves.iter_mut().filter(|half| half.verdict.is_none()) {
             let film = &half.gathered.film;
             let pace = Pace {
@@ -252,10 +265,13 @@ impl State {
             by: verdict(self.halves.len() - 1 - index),
         });
         let film = self.picture_of(source, Half::estimate).into_owned();
+        let bootstrap = self.learned.is_some().then_some(self.before);
         Rendering {
+            bootstrap,
+            blocks: self.spent.rendering.minus(bootstrap.unwrap_or(Cost::NOTHING)),
             truncation: truncation(&film),
             film,
-            elapsed: Duration::try_from_secs_f64(self.spent.seconds).unwrap_or_default(),
+            elapsed: self.spent.elapsed(),
             metropolis,
             ends: ends.collect(),
             spent: self.spent,
@@ -277,7 +293,10 @@ impl State {
         if self.halves.len() != budget.halves() {
             return Err("it has not as many halves as its rule of stopping needs");
         }
-        if !(self.before_s.is_finite() && self.spent.seconds.is_finite() && self.spent.seconds >= 0.0) {
+        if !(self.before.wall_s.is_finite()
+            && self.spent.rendering.wall_s.is_finite()
+            && self.spent.rendering.wall_s >= 0.0)
+        {
             return Err("its times are no times");
         }
         if self.learned.is_some() != has_chains || self.learned.as_ref().is_some_and(|it| !it.is_sound()) {
@@ -311,9 +330,4 @@ fn end_with(decided: &Half, going_on: &mut Half) {
     if decided.verdict.is_some() && going_on.verdict.is_none() && going_on.ended_with.is_none() {
         going_on.ended_with = Some(going_on.gathered.clone());
     }
-}
-
-/// Processor time of this process in seconds, user and system, where the system tells.
-pub(crate) fn cpu_seconds() -> Option<f64> {
-    cpu_time::ProcessTime::try_now().ok().map(|time| time.as_duration().as_secs_f64())
 }

@@ -5,12 +5,15 @@
 //! have mixed (Veach 1997, section 11.3.1). Blocks are put together in proportion to these means
 //! and leave the level of the whole to the normalisation of the run.
 
+use crate::camera::{Batches, CellErrors, CellGrid, LUMINANCE, Scatter};
 use serde::{Deserialize, Serialize};
 
 /// Sums over blocks, pixel by pixel in rows, channel by channel.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ChainFilm {
     channels: usize,
+    /// Width and height in pixels.
+    resolution: [u32; 2],
     /// What the chains of the block being taken have left.
     block: Vec<f64>,
     sums: Vec<f64>,
@@ -20,14 +23,33 @@ pub struct ChainFilm {
     weight: f64,
     weight_squares: f64,
     blocks: u32,
+    /// The same of luminance over squares of pixels, and its blocks at some pixels.
+    watch: Option<Watch>,
+}
+
+/// What is kept of each block to know what pixels share.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Watch {
+    /// One pixel for each square of every level.
+    cells: Box<ChainFilm>,
+    batches: Batches,
 }
 
 impl ChainFilm {
-    /// An empty film.
-    pub fn new(pixels: usize, channels: usize) -> Self {
+    /// An empty film of this width and height in pixels.
+    pub fn new(resolution: [u32; 2], channels: usize) -> Self {
+        let pixels = resolution[0] as usize * resolution[1] as usize;
+        let cells = Box::new(Self::plain(CellGrid::of(resolution).count(), 1));
+        let watch = Some(Watch { cells, batches: Batches::new(pixels) });
+        Self { watch, resolution, ..Self::plain(pixels, channels) }
+    }
+
+    /// One that knows errors of pixels alone.
+    fn plain(pixels: usize, channels: usize) -> Self {
         let zeros = || vec![0.0; pixels * channels];
         Self {
             channels,
+            resolution: [pixels as u32, 1],
             block: zeros(),
             sums: zeros(),
             squares: zeros(),
@@ -35,11 +57,21 @@ impl ChainFilm {
             weight: 0.0,
             weight_squares: 0.0,
             blocks: 0,
+            watch: None,
         }
     }
 
     /// Whether it is a film of this size, all of it: one from a file may be anything.
-    pub fn fits(&self, pixels: usize, channels: usize) -> bool {
+    pub fn fits(&self, resolution: [u32; 2], channels: usize) -> bool {
+        let pixels = resolution[0] as usize * resolution[1] as usize;
+        self.watch.as_ref().is_some_and(|watch| {
+            let cells = CellGrid::of(resolution).count();
+            watch.cells.watch.is_none() && watch.cells.is_sized(cells, 1) && watch.batches.fits(pixels)
+        }) && self.resolution == resolution
+            && self.is_sized(pixels, channels)
+    }
+
+    fn is_sized(&self, pixels: usize, channels: usize) -> bool {
         let parts = [&self.block, &self.sums, &self.squares, &self.crossed];
         self.channels == channels && parts.iter().all(|part| part.len() == pixels * channels)
     }
@@ -55,6 +87,15 @@ impl ChainFilm {
     /// Ends a block of so many mutations per pixel, from starts of this mean.
     pub fn finish_block(&mut self, mutations_per_pixel: u64, mean_of_starts: f64) {
         let weight = mean_of_starts * mutations_per_pixel as f64;
+        if let Some(watch) = &mut self.watch {
+            let Self { resolution, channels, block, .. } = self;
+            let luminance = |pixel: usize| block[pixel * *channels + LUMINANCE.min(*channels - 1)];
+            watch.cells.block = CellGrid::of(*resolution).sums(luminance);
+            watch.cells.finish_block(mutations_per_pixel, mean_of_starts);
+            let pixels = resolution[0] as usize * resolution[1] as usize;
+            watch.batches.add(0..pixels, |pixel| mean_of_starts * luminance(pixel));
+            watch.batches.finish_block(weight);
+        }
         let sums = self.sums.iter_mut().zip(&mut self.squares).zip(&mut self.crossed);
         for (left, ((sum, square), crossed)) in self.block.iter_mut().zip(sums) {
             let value = *left * mean_of_starts;
@@ -76,6 +117,29 @@ impl ChainFilm {
             pixels.map(|sums| sums.iter().zip(weights).map(|(sum, weight)| sum * weight).sum::<f64>());
         let all: f64 = values.clone().sum();
         (all > 0.0).then(|| values.fold(0.0, f64::max) / all)
+    }
+
+    /// How batches of blocks scatter, where the normalisation is this; and that normalisation's own
+    /// error, which all pixels share.
+    pub fn scatters(&self, normalisation: f64, error: f64) -> Vec<Scatter> {
+        let Some(Watch { batches, .. }) = &self.watch else { return Vec::new() };
+        let level = batches.level(error / self.weight);
+        batches.scatter(normalisation).into_iter().chain((self.weight > 0.0).then_some(level)).collect()
+    }
+
+    /// Standard errors of mean luminance over squares of pixels, where the normalisation and its
+    /// error are these; those of `others` in the same picture are added. `None` before two blocks.
+    pub fn cell_errors(&self, normalisation: f64, error: f64, others: &CellErrors) -> Option<CellErrors> {
+        let cells = &self.watch.as_ref()?.cells;
+        if self.weight == 0.0 {
+            return Some(others.clone());
+        }
+        let of_sum = |cell: usize| {
+            let (share, scatter) = cells.share(cell, 0);
+            (normalisation * scatter).hypot(share * error)
+        };
+        let of_sums: Vec<f64> = (0..cells.sums.len()).map(of_sum).collect();
+        (self.blocks > 1).then(|| CellGrid::of(self.resolution).errors(&of_sums).with(others))
     }
 
     /// Share of the normalisation that a pixel's channel has, and its standard error: NaN while
@@ -112,7 +176,7 @@ mod tests {
         let (mut sum, mut squares, mut stated) = (0.0, 0.0, 0.0);
         for film in 0..FILMS {
             let mut numbers = Numbers::of(&[film]);
-            let mut chains = ChainFilm::new(1, 1);
+            let mut chains = ChainFilm::new([1, 1], 1);
             for _ in 0..40 {
                 // Light of two kinds, 3 and 1 on average: of the first all falls on the pixel.
                 let [a, b] = [6.0, 2.0].map(|most| most * numbers.fine());

@@ -9,7 +9,7 @@ use super::numbers::Numbers;
 use super::report::{Convergence, Counts, Report};
 use super::start::{ENOUGH_FOUND, Use};
 use super::world::World;
-use crate::camera::Film;
+use crate::camera::{Film, Finished};
 use crate::integrator::{
     BlockOf, Bounded, Budget, Clock, DirectLight, FEWEST_SAMPLES, Gathered, InOrder, Progress, Rendering,
     Source, State,
@@ -107,8 +107,7 @@ pub struct Chains {
 impl Chains {
     /// Whether it is of a picture of this size: one from a file may be anything.
     pub(crate) fn fits(&self, resolution: [u32; 2], channels: usize) -> bool {
-        let pixels = resolution[0] as usize * resolution[1] as usize;
-        self.film.fits(pixels, channels) && self.direct.fits(resolution, channels)
+        self.film.fits(resolution, channels) && self.direct.fits(resolution, channels)
     }
 
     /// Adds those of another half.
@@ -273,9 +272,9 @@ fn block_size(budget: &Budget, pixels: u64, taken: u64, block: u64) -> u64 {
 impl Source for Mutated<'_, '_> {
     fn begin(&self) -> Gathered {
         let channels = self.world.sensor.channels.len();
-        let film = Film::new(self.world.resolution, channels, false);
+        let film = Film::plain(self.world.resolution, channels, false);
         let chains = Chains {
-            film: ChainFilm::new(film.pixels(), channels),
+            film: ChainFilm::new(self.world.resolution, channels),
             direct: self.direct.film(),
             counts: Counts::default(),
             estimates: Estimates::default(),
@@ -316,7 +315,12 @@ impl Source for Mutated<'_, '_> {
         });
         film.faults = direct.faults.clone();
         film.faults.merge(chains.faults.clone());
-        Cow::Owned(film)
+        let beside = direct.cell_errors();
+        Cow::Owned(film.with_finished(Finished {
+            scatters: chains.film.scatters(b, b_error).into_iter().chain(direct.scatters()).collect(),
+            cells: beside.and_then(|beside| chains.film.cell_errors(b, b_error, &beside)),
+            correlated: true,
+        }))
     }
 }
 

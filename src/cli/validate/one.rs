@@ -7,6 +7,7 @@ use crate::cli::print;
 use crate::cli::render::{Files, render_to_files};
 use etalon::error::{Error, Result};
 use etalon::image::Layers;
+use etalon::integrator::Stopwatch;
 use etalon::python::{Environment, PEERS, VALIDATION, project_root};
 use etalon::scene::Scene;
 use std::ffi::OsString;
@@ -115,6 +116,7 @@ fn render(case: &Case, arguments: &Arguments) -> anyhow::Result<Rendered> {
     std::fs::create_dir_all(&output).map_err(|e| Error::io(&output, "make the folder", &e))?;
     // Before rendering: an environment that cannot be made should not cost a render.
     environment(case)?;
+    let since = Stopwatch::start();
     let scene = Scene::load(&folder.join("scene.json"))?;
     let mut effort = arguments.effort.clone();
     effort.integrator.get_or_insert(case.integrator);
@@ -124,7 +126,7 @@ fn render(case: &Case, arguments: &Arguments) -> anyhow::Result<Rendered> {
     let view = effort.resize(scene.view()?);
     let (exr, png) = (output.join("render.exr"), output.join("render.png"));
     let spp = case.samples_per_pixel;
-    let files = Files { exr: &exr, png: Some(&png), layers: Layers::default(), keeping: None };
+    let files = Files { exr: &exr, png: Some(&png), layers: Layers::default(), since, keeping: None };
     let facts = render_to_files(&scene, &view, &effort, spp, &files)?;
     let samples_per_pixel = facts.samples_per_pixel;
     print(&format!(
