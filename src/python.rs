@@ -104,7 +104,19 @@ impl Environment {
         words: &[W],
         input: Option<&str>,
     ) -> anyhow::Result<()> {
-        self.talk(command, words, input, Stdio::inherit()).map(drop)
+        must_succeed(command, self.talk(command, words, input, Stdio::inherit())?).map(drop)
+    }
+
+    /// Runs a command of the harness that comes to a verdict: whether it exits with 0; with 1, it
+    /// has said on standard error what it found.
+    ///
+    /// # Errors
+    /// Those of [`Environment::run_module`] for other exit codes.
+    pub fn judge_module<W: AsRef<OsStr>>(&self, command: &str, words: &[W]) -> anyhow::Result<bool> {
+        match self.talk(command, words, None, Stdio::inherit())? {
+            (Some(1), _) => Ok(false),
+            ended => must_succeed(command, ended).map(|_| true),
+        }
     }
 
     /// What a command of the harness writes on standard output.
@@ -112,16 +124,17 @@ impl Environment {
     /// # Errors
     /// Those of [`Environment::run_module`].
     pub fn ask_module<W: AsRef<OsStr>>(&self, command: &str, words: &[W]) -> anyhow::Result<String> {
-        self.talk(command, words, None, Stdio::piped())
+        must_succeed(command, self.talk(command, words, None, Stdio::piped())?)
     }
 
+    /// The exit code of a command, and what it wrote on standard output if that is piped.
     fn talk<W: AsRef<OsStr>>(
         &self,
         command: &str,
         words: &[W],
         input: Option<&str>,
         stdout: Stdio,
-    ) -> anyhow::Result<String> {
+    ) -> anyhow::Result<(Option<i32>, String)> {
         let mut python = self.harness();
         python.arg("-m").arg("etalon_validation").arg(command).args(words);
         python.stdout(stdout).stderr(Stdio::piped());
@@ -139,9 +152,8 @@ impl Environment {
             eprintln!("{line}");
         }
         match output.status.code() {
-            Some(0) => Ok(String::from_utf8_lossy(&output.stdout).into_owned()),
             Some(2) => Err(Error::new(last.strip_prefix("error: ").unwrap_or(last)).into()),
-            code => anyhow::bail!("the harness failed at \"{command}\" (exit code {code:?})"),
+            code => Ok((code, String::from_utf8_lossy(&output.stdout).into_owned())),
         }
     }
 
@@ -151,6 +163,14 @@ impl Environment {
         python.env("PYTHONPATH", self.root.join("validation")).env("PYTHONDONTWRITEBYTECODE", "1");
         python
     }
+}
+
+/// What a command wrote, where it ended well.
+fn must_succeed(command: &str, (code, written): (Option<i32>, String)) -> anyhow::Result<String> {
+    if code == Some(0) {
+        return Ok(written);
+    }
+    anyhow::bail!("the harness failed at \"{command}\" (exit code {code:?})")
 }
 
 fn finish(command: &mut Command, what: &str) -> Result<()> {

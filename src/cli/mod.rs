@@ -3,6 +3,7 @@
 mod arguments;
 mod check;
 mod checkpoint;
+mod converge;
 mod develop;
 mod faults;
 mod measure;
@@ -38,6 +39,8 @@ enum Command {
     Check(check::Arguments),
     /// Read a scene's illuminance and luminance meters
     Measure(measure::Arguments),
+    /// Measure error against run time for several algorithms, or efficiency against an earlier program
+    Converge(converge::Arguments),
     /// Take one sample again and print its path vertex by vertex
     Replay(replay::Arguments),
     /// Print the JSON Schema of the scene format
@@ -55,6 +58,7 @@ pub fn run() -> anyhow::Result<ExitCode> {
         Command::Develop(arguments) => develop::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Measure(arguments) => measure::run(&arguments),
+        Command::Converge(arguments) => converge::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Schema => schema::run(),
         Command::Spectra(arguments) => spectra::run(&arguments),

@@ -5,15 +5,13 @@ import json
 import sys
 from pathlib import Path
 
+from .converge_cli import add_converge
 from .errors import InputError
 from .pages_cli import add_commands
 from .peer_cli import add_peer_commands
 
 # Samples per pixel of the peer.
 PEER_SPP = 4096
-# Runs of each integrator whose efficiency is measured, with a reference and without.
-REPEATS = 5
-REPEATS_ALONE = 16
 # Exit code when an input file or an argument is wrong.
 WRONG_INPUT = 2
 
@@ -67,16 +65,7 @@ def parser():
     peers.add_argument("--threads", type=positive, help="threads of the peer; all processors if left out")
     peers.set_defaults(run=run_peers)
 
-    efficiency = commands.add_parser("efficiency", help="error at equal processor time of several integrators")
-    efficiency.add_argument("--program", type=Path, default=Path("target/release/etalon"), help="the program etalon")
-    efficiency.add_argument("--scene", type=Path, required=True)
-    efficiency.add_argument("--reference", type=Path, help="EXR of the scene with little noise; its size is used. Without it the runs are judged by their scatter")
-    efficiency.add_argument("--integrators", default="path,bdpt", help="names; ratios are to the first")
-    efficiency.add_argument("--spp", type=int, default=128, help="samples per pixel of the first")
-    efficiency.add_argument("--repeats", type=int, help=f"runs of each; default {REPEATS}, without a reference {REPEATS_ALONE}")
-    efficiency.add_argument("--resolution", help="WxH, without a reference; default the scene's own")
-    efficiency.add_argument("--json", action="store_true", help="without a reference: print JSON instead of text")
-    efficiency.set_defaults(run=run_efficiency)
+    add_converge(commands)
 
     plot = commands.add_parser("plot-spectrum", help="draw the spectral table described on standard input")
     plot.add_argument("file", type=Path, help="SVG or PNG to write")
@@ -272,25 +261,6 @@ def run_peers(chosen):
     verdict = compare_with_mitsuba(chosen.case, chosen.spectra, chosen.render, chosen.output, chosen.spp, chosen.threads)
     print(verdict)
     return 0 if verdict.startswith("pass") else 1
-
-
-def run_efficiency(chosen):
-    """A line per integrator; without a reference, exit code 1 where integrators disagree."""
-    names = chosen.integrators.split(",")
-    if chosen.reference:
-        for option in ("resolution", "json"):
-            if getattr(chosen, option):
-                raise InputError(f"--{option}", "does not go with --reference", "leave one of them out")
-        from .efficiency import compare, describe
-
-        print(describe(*compare(chosen.program, chosen.scene, chosen.reference, names, chosen.spp, chosen.repeats or REPEATS)))
-        return 0
-    from .scatter import describe_alone, judge, repeated_renders
-
-    samples, runs = repeated_renders(chosen.program, chosen.scene, chosen.resolution, names, chosen.spp, chosen.repeats or REPEATS_ALONE)
-    report = judge(samples, runs)
-    print(json.dumps(report, indent=2) if chosen.json else describe_alone(report))
-    return 0 if report["agree"] else 1
 
 
 def run_plot(chosen):

@@ -43,7 +43,7 @@ class Run:
     bootstrap_wall_s: float | None = None
     render_cpu_s: float | None = None
     render_wall_s: float | None = None
-    # The picture: below the study's folder, or where a foreign list names it.
+    # The picture: below the study's folder while that is being made, or where a foreign list names it.
     file: str = ""
 
     @property
@@ -141,7 +141,11 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Fit:
-    """Slopes of log error on log CPU seconds; None below three points. `render`: on the seconds after setup."""
+    """Slopes of log error on log CPU seconds; None below three points.
+
+    `relmse_render` is on the CPU seconds after set-up, or on samples per pixel where those are not known: it is the one
+    that flags are about.
+    """
 
     mse: Estimate | None
     relmse: Estimate | None
@@ -199,6 +203,12 @@ def write_rows(file, kind, rows):
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(names(kind))
         writer.writerows(as_cells(row) for row in rows)
+
+
+def append_row(file, row):
+    """One more line."""
+    with Path(file).open("a", newline="", encoding="utf-8") as text:
+        csv.writer(text, lineterminator="\n").writerow(as_cells(row))
 
 
 def names(kind):

@@ -75,6 +75,9 @@ def line(x, y):
 def fit_of(runs, scores):
     """The slopes of a series."""
     cpu_s, render_s = [run.cpu_s for run in runs], [run.render_cpu_s for run in runs]
+    if None in render_s:
+        # Work after set-up is in proportion to samples, and those are known more often.
+        render_s = [run.spp for run in runs]
     columns = {name: [getattr(found, name) for found in scores] for name in ("mse", "relmse", "relmse_trimmed")}
     return Fit(
         mse=slope_of(runs, columns["mse"], cpu_s), relmse=slope_of(runs, columns["relmse"], cpu_s),

@@ -6,6 +6,7 @@ scatter of the runs that are pooled. No run is ever part of the reference that
 it is judged against.
 """
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -68,6 +69,17 @@ def read_reference(path, size=None):
         if not np.isfinite(variance).all():
             variance = None
     return FileReference(luminance, variance, Path(path).name, sha256_of(Path(path)))
+
+
+def seed_of(path):
+    """The seeds that a picture by this program says it used: one or none."""
+    spec, *_ = read_pixels(path)
+    text = spec.getattribute("etalon")
+    try:
+        seed = json.loads(text).get("seed") if isinstance(text, str) else None
+    except (json.JSONDecodeError, AttributeError):
+        seed = None
+    return (seed,) if isinstance(seed, int) else ()
 
 
 @dataclass(frozen=True)
