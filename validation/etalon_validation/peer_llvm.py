@@ -39,10 +39,10 @@ def candidates(places=PLACES):
     return sorted(found, key=lambda file: -found[file])
 
 
-def usable(command, libraries=None):
+def usable(command, environment, libraries=None):
     """The first library with which `command(output, times)` ends well, or `None`; and why in words.
 
-    `command` gives the words of a small run of the compiled variant.
+    `command` gives the words of a small run of the compiled variant, which needs `environment`.
     """
     given = os.environ.get(LIBRARY)
     libraries = libraries if libraries is not None else [Path(given)] if given else candidates()
@@ -50,20 +50,20 @@ def usable(command, libraries=None):
         return None, f"no LLVM of version {OLDEST} or newer was found for {LLVM} (set {LIBRARY} to one)"
     reasons = []
     for library in libraries:
-        reason = trial(command, library)
+        reason = trial(command, environment, library)
         if reason is None:
             return library, f"{LLVM} with {library.name}"
         reasons.append(f"{library.name} {reason}")
     return None, f"{LLVM} is left out: {'; '.join(reasons)} (set {LIBRARY} to another, as of Debian's libllvm19)"
 
 
-def trial(command, library):
+def trial(command, environment, library):
     """Why the small run fails with a library; `None` where it ends well."""
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / "trial.exr"
         words = [str(word) for word in command(output, Path(folder) / "times.json")]
         try:
-            done = subprocess.run(words, env=os.environ | {LIBRARY: str(library)}, capture_output=True, timeout=LONGEST_TRIAL_S, preexec_fn=no_core, check=False)
+            done = subprocess.run(words, env=os.environ | environment | {LIBRARY: str(library)}, capture_output=True, timeout=LONGEST_TRIAL_S, preexec_fn=no_core, check=False)
         except subprocess.TimeoutExpired:
             return f"did not end within {LONGEST_TRIAL_S} s"
         if done.returncode < 0:

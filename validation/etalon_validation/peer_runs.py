@@ -1,14 +1,11 @@
 """One run of either renderer as a process of its own: its picture, its seconds, and what of them was rendering."""
 
-import json
-import os
-import subprocess
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from .converge_data import Run
+from .converge_runs import first_error, run_process
 from .errors import InputError, read_json
 from .peer_llvm import LIBRARY
 from .peer_mitsuba import LLVM, SCALAR
@@ -68,6 +65,7 @@ def run(contestant, point, repeat, spp, seed, output):
     times = output.with_suffix(".json")
     cpu_s, wall_s = measured(contestant, [str(word) for word in contestant.words(spp, seed, output, times)])
     stages = contestant.stages(read_json(times, "run it by hand to see why"))
+    times.unlink()
     known = {}
     for stage in ("pilot", "bootstrap", "render"):
         for unit in ("cpu_s", "wall_s"):
@@ -81,13 +79,7 @@ def run(contestant, point, repeat, spp, seed, output):
 
 def measured(contestant, words):
     """Processor and wall seconds of a process that must end well."""
-    start = time.monotonic()
-    with subprocess.Popen(words, env=os.environ | (contestant.environment or {}), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
-        said = process.stderr.read()
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    wall_s = time.monotonic() - start
-    if process.returncode:
-        last = said.strip().splitlines()[-1:] or [f"exit code {process.returncode}"]
-        raise InputError(contestant.name, f"failed: {last[0].removeprefix('error: ')}", f"run it by hand to see why: {' '.join(words)}")
-    return usage.ru_utime + usage.ru_stime, wall_s
+    code, cpu_s, wall_s, said = run_process(words, contestant.environment)
+    if code:
+        raise InputError(contestant.name, f"failed: {first_error(said)}", f"run it by hand to see why: {' '.join(words)}")
+    return cpu_s, wall_s

@@ -7,16 +7,17 @@ gets there, and in any case against the common reference, which asks where it
 goes. Relative errors against its own do not depend on its unit.
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
+from .converge_analysis import report_on
 from .converge_data import Run, Series
 from .converge_reference import FileReference
 from .errors import InputError
-from .peer_picture import FITTED, fitted_factor, read_picture
-from .peer_table import read_table
+from .peer_picture import Picture, fitted_factor, read_picture
+from .peer_table import PeerTable, read_table
 from .photograph import sha256_of
 
 LEVEL_FITTED = " (level fitted)"
@@ -87,22 +88,51 @@ def positive(option, name, value):
     return number
 
 
-def read_peer(option, common):
-    """The `Peer` of an option, in the unit of the common reference's luminance (height, width) in cd/m2."""
+@dataclass(frozen=True)
+class Loaded:
+    """A peer's table and pictures, before their unit is settled; its own picture and where that is named, or `None`."""
+
+    option: PeerOption
+    table: PeerTable
+    pictures: tuple
+    own: Picture | None
+    own_place: str | None
+
+
+def load_peer(option, size, taken=()):
+    """Reads all that a peer names; `size` is (width, height) of the study's pictures, `taken` its other series."""
+    if option.name in taken:
+        raise InputError(f"--peer {option.name}={option.file}", f'"{option.name}" is an integrator of this study', "give the peer another name")
     table = read_table(option.name, option.file)
-    pictures = [sized(read_picture(row.file, row.place, option.scale or row.scale), row.place, common) for row in table.rows]
-    own, own_place = own_picture(option, table, common)
-    units = {picture.unit for picture in pictures}
-    if FITTED in units and len(units) > 1:
-        row = next(row for row, picture in zip(table.rows, pictures) if picture.unit == FITTED)
-        raise InputError(row.place, f"{row.file} does not say its unit, others of the table do", f"give --peer-scale {option.name}=K, or a column scale")
+    pictures = tuple(sized(read_picture(row.file, row.place, option.scale or row.scale), row.place, size) for row in table.rows)
+    own, own_place = own_picture(option, table, size)
+    loaded = Loaded(option, table, pictures, own, own_place)
+    check_units(loaded)
+    return loaded
+
+
+def check_units(loaded):
+    """Refuses a table in which some pictures say their unit and others do not."""
+    stated = [picture.factor is not None for picture in loaded.pictures]
+    remedy = f"give --peer-scale {loaded.option.name}=K, or a column scale"
+    if any(stated) and not all(stated):
+        row, other = loaded.table.rows[stated.index(False)], loaded.table.rows[stated.index(True)]
+        raise InputError(row.place, f"{row.file} does not say its unit, {other.file} does", remedy)
+    if loaded.own is not None and all(stated) and loaded.own.factor is None:
+        raise InputError(loaded.own_place, f"{loaded.own.file} does not say its unit, the pictures do", remedy)
+
+
+def settle_peer(loaded, common):
+    """The `Peer` in cd/m2, by the common reference's luminance (height, width) where a factor must be fitted."""
+    option, table, pictures, own = loaded.option, loaded.table, loaded.pictures, loaded.own
     factors, fitted_on = settle(table, pictures, own, common)
     name = option.name + (LEVEL_FITTED if fitted_on else "")
     images = np.stack([picture.scaled(factor)[0] for picture, factor in zip(pictures, factors)]).astype(np.float32)
-    reference = own and own_reference(own, own.factor or (factors[0] if fitted_on else None), own_place, option.name)
+    reference = own_reference(own, own.factor or factors[0], loaded.own_place) if own else None
+    units = list(dict.fromkeys(picture.unit for picture in pictures))
     facts = {
         "name": option.name, "table": str(option.file), "runs": len(pictures), "points": len(table.points),
-        "luminance_from": pictures[0].weights, "unit": pictures[0].unit, "is_fitted": bool(fitted_on), "fitted_on": fitted_on,
+        "luminance_from": pictures[0].weights, "unit": "; ".join(units), "is_fitted": bool(fitted_on), "fitted_on": fitted_on,
         "factor": factors[0] if len(set(factors)) == 1 else None,
         "judged_against": f"its own reference {own.file.name}" if own else "the common reference",
         "own_reference": reference and reference.facts(),
@@ -110,22 +140,31 @@ def read_peer(option, common):
     return Peer(Series(name, runs_of(name, table), images, is_foreign=True), reference, facts)
 
 
-def sized(picture, place, common):
-    """The picture, if it has the size of the common reference."""
-    width, height = picture.size
-    if (height, width) != common.shape:
-        raise InputError(place, f"{picture.file} is {width}x{height} pixels, the reference {common.shape[1]}x{common.shape[0]}", "render the peer at the size of the reference")
+def peers_in_report(peers, reference):
+    """What converge.json says of peers; of those with a reference of their own also how far they are from the common one."""
+    found = {}
+    for peer in peers:
+        bias = report_on(peer.series, reference).bias if peer.own else None
+        found[peer.series.name] = peer.facts | {"sentence": peer.sentence, "against_common_reference": bias and asdict(bias)}
+    return found
+
+
+def sized(picture, place, size):
+    """The picture, if it has the size (width, height) of the study."""
+    if picture.size != tuple(size):
+        found, wanted = (f"{width}x{height}" for width, height in (picture.size, size))
+        raise InputError(place, f"{picture.file} is {found} pixels, the reference {wanted}", "render the peer at the size of the reference")
     return picture
 
 
-def own_picture(option, table, common):
+def own_picture(option, table, size):
     """The peer's own converged picture and where it is named; the command line goes before the table."""
     if option.reference:
         place = f"--peer-reference {option.name}={option.reference}"
-        return sized(read_picture(option.reference, place, option.scale), place, common), place
+        return sized(read_picture(option.reference, place, option.scale), place, size), place
     if table.reference:
         place = table.reference_place
-        return sized(read_picture(table.reference, place, option.scale or table.reference_scale), place, common), place
+        return sized(read_picture(table.reference, place, option.scale or table.reference_scale), place, size), place
     return None, None
 
 
@@ -135,7 +174,7 @@ def settle(table, pictures, own, common):
     One factor for all: by the peer's own reference if that is without unit too,
     else by the mean of the repeats of its last point.
     """
-    if pictures[0].unit != FITTED:
+    if pictures[0].factor is not None:
         return [picture.factor for picture in pictures], None
     if own and own.factor is None:
         factor, fitted_on = fitted_factor(own.luminance, own.file, common), f"its own reference {own.file.name}"
@@ -145,10 +184,8 @@ def settle(table, pictures, own, common):
     return [factor] * len(pictures), fitted_on
 
 
-def own_reference(own, factor, place, name):
+def own_reference(own, factor, place):
     """The peer's own reference as others of the study; `factor` is cd/m2 per unit."""
-    if factor is None:
-        raise InputError(place, f"{own.file} does not say its unit, the pictures do", f"give --peer-scale {name}=K, or a column scale")
     luminance, variance = own.scaled(factor)
     if not luminance.mean() > 0:
         raise InputError(place, f"{own.file} has no light in it", "give a picture of the scene")

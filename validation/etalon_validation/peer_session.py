@@ -7,6 +7,7 @@ the machine does falls on all. Seeds are those of no reference.
 """
 
 import os
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,11 +46,12 @@ class Schedule:
     expected_s: float
 
 
-def costs(contestants, folder):
+def costs(contestants):
     """The `Cost` of each series by a run that is thrown away."""
     found = {}
     for contestant in contestants:
-        tried = run(contestant, 0, 0, TRIAL_SPP, TRIAL_SEED, Path(folder) / "trial.exr")
+        with tempfile.TemporaryDirectory() as folder:
+            tried = run(contestant, 0, 0, TRIAL_SPP, TRIAL_SEED, Path(folder) / "trial.exr")
         if not tried.render_cpu_s or tried.render_cpu_s <= 0:
             raise InputError(contestant.name, "tells no seconds of rendering", "use a build of this version")
         found[contestant.name] = Cost(max(tried.wall_s - tried.render_wall_s, 0.0), tried.render_cpu_s / TRIAL_SPP)

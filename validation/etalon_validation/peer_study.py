@@ -7,27 +7,28 @@ ends from the other renderer's picture is stated beside it.
 """
 
 import json
-import os
-import platform
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from .converge_analysis import ratios, report_on
+from .converge_analysis import analyse, report_on
 from .converge_data import Run, write_rows
 from .converge_fit import ratio_to
 from .converge_plot import plot
+from .converge_report import finite
 from .converge_reference import read_reference
+from .converge_runs import machine
 from .errors import read_json
 from .page import today
 from .peer_llvm import usable
 from .peer_mitsuba import LLVM, SCALAR
 from .peer_runs import etalon, mitsuba
-from .peer_series import PeerOption, read_peer
+from .peer_series import PeerOption, load_peer, settle_peer
 from .peer_session import REFERENCE_LEAD, REPEATS, costs, rounds, schedule, series_of, write_peer
 from .peers import REFERENCE_FILE
 from .render import read_render
 
 FOLDER = "converge"
+RENDERING = "CPU seconds of rendering alone"
 OURS = "render.exr"
 # What the trial of a library renders.
 TRIAL_SIZE = (16, 16)
@@ -35,9 +36,13 @@ TRIAL_SIZE = (16, 16)
 
 @dataclass(frozen=True)
 class Judged:
-    """Reports of all series in the order of the legend; peers also against our reference, by name."""
+    """Reports of all series in the order of the legend, with the seconds of whole processes and of rendering alone.
+
+    `peers` by name, and their reports against our reference.
+    """
 
     reports: tuple
+    rendering: tuple
     peers: dict
     crossed: dict
 
@@ -51,17 +56,19 @@ def study(chosen):
     for note in notes:
         print(f"note: {note}")
     most_spp = render.record["samples_per_pixel"] // REFERENCE_LEAD
-    plan = schedule(costs(contestants, folder), chosen.budget, chosen.threads, most_spp)
+    plan = schedule(costs(contestants), chosen.budget, chosen.threads, most_spp)
     print(f"{len(contestants)} series at {len(next(iter(plan.spp.values())))} budgets, {REPEATS} repeats, in turns: about {plan.expected_s:.0f} s")
     runs = rounds(contestants, plan, folder)
     write_rows(folder / "runs.csv", Run, [entry for found in runs.values() for entry in relative(found, folder)])
     judged = judge(chosen, contestants, runs, folder)
     report = report_of(chosen, render, judged, notes)
-    (folder / "converge.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    plot(judged.reports, folder, caption(report), report["reference"]["relative_variance"])
+    (folder / "converge.json").write_text(json.dumps(finite(report), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    floor = report["reference"]["relative_variance"]
+    plot(judged.reports, folder, caption(report), floor)
+    plot(judged.rendering, folder, caption(report), floor, stem="rendering", seconds=RENDERING)
     from .peer_page import write_peer_page
 
-    write_peer_page(chosen.folder, report, judged.reports)
+    write_peer_page(chosen.folder, finite(report), judged)
     return lines(report)
 
 
@@ -71,8 +78,7 @@ def line_up(chosen, size):
     there = (chosen.peer_python, chosen.case, chosen.spectra)
     found.append(mitsuba(*there, size, chosen.threads, SCALAR))
     trial = mitsuba(*there, TRIAL_SIZE, chosen.threads, LLVM)
-    os.environ |= trial.environment
-    library, note = usable(lambda output, times: trial.words(1, 0, output, times))
+    library, note = usable(lambda output, times: trial.words(1, 0, output, times), trial.environment)
     if library is not None:
         found.append(mitsuba(*there, size, chosen.threads, LLVM, library))
     return found, [note]
@@ -86,38 +92,48 @@ def relative(runs, folder):
 def judge(chosen, contestants, runs, folder):
     """Everybody against a reference of the own renderer; peers also against ours."""
     ours = read_reference(chosen.folder / OURS)
-    reports, peers, crossed = [], {}, {}
+    series, own, peers = [], {}, {}
     for contestant in contestants:
         if not contestant.is_foreign:
-            reports.append(report_on(series_of(contestant.name, runs[contestant.name]), ours))
+            series.append(series_of(contestant.name, runs[contestant.name]))
             continue
         table = folder / f"{contestant.name.replace(' ', '-')}.csv"
         write_peer(table, runs[contestant.name], chosen.folder / REFERENCE_FILE)
-        peer = read_peer(PeerOption(contestant.name, table), ours.luminance)
+        peer = settle_peer(load_peer(PeerOption(contestant.name, table), ours.luminance.shape[::-1]), ours.luminance)
         peers[contestant.name] = peer
-        reports.append(report_on(peer.series, peer.own))
-        crossed[contestant.name] = report_on(peer.series, ours)
-    return Judged(tuple(ratios(reports)), peers, crossed)
+        series.append(peer.series)
+        own[contestant.name] = peer.own
+    crossed = {name: report_on(peer.series, ours) for name, peer in peers.items()}
+    return Judged(analyse(series, ours, own), analyse([rendering_only(each) for each in series], ours, own), peers, crossed)
 
 
-def rendering_only(report):
-    """The report with the seconds of rendering in place of the whole process."""
-    return replace(report, runs=tuple(replace(entry, cpu_s=entry.render_cpu_s) for entry in report.runs))
+def rendering_only(series):
+    """The series with the seconds of rendering in place of those of the whole process."""
+    runs = (replace(entry, cpu_s=entry.render_cpu_s, load_cpu_s=None, render_cpu_s=None) for entry in series.runs)
+    return replace(series, runs=tuple(runs))
 
 
 def compared(judged):
     """Efficiency of each integrator over that of each peer: of whole processes, and of rendering alone."""
     rows = []
-    for peer in (report for report in judged.reports if report.name in judged.peers):
-        for ours in (report for report in judged.reports if report.name not in judged.peers):
-            pairs = {"process": (ours, peer), "rendering": (rendering_only(ours), rendering_only(peer))}
-            row = {"integrator": ours.name, "peer": peer.name}
-            for name, (one, other) in pairs.items():
-                for kind, key in (("relmse", ""), ("relmse_trimmed", "_trimmed")):
-                    found = ratio_to(one, other, kind)
-                    row[f"{name}{key}"] = found and asdict(found)
+    both = {"process": judged.reports, "rendering": judged.rendering}
+    names = [report.name for report in judged.reports]
+    for peer in (name for name in names if name in judged.peers):
+        for ours in (name for name in names if name not in judged.peers):
+            row = {"integrator": ours, "peer": peer}
+            for of, reports in both.items():
+                by_name = {report.name: report for report in reports}
+                for kind, key in (("relmse", of), ("relmse_trimmed", f"{of}_trimmed")):
+                    found = ratio_between(by_name[ours], by_name[peer], kind)
+                    row[key] = found and asdict(found)
             rows.append(row)
     return rows
+
+
+def ratio_between(one, other, kind):
+    """Efficiency of one series over that of another; `None` where either has none."""
+    able = (each.efficiency if kind == "relmse" else each.efficiency_trimmed for each in (one, other))
+    return None if None in able else ratio_to(one, other, kind)
 
 
 def report_of(chosen, render, judged, notes):
@@ -138,17 +154,6 @@ def report_of(chosen, render, judged, notes):
     }
 
 
-def machine():
-    """Processor and system."""
-    model = platform.processor() or platform.machine()
-    try:
-        found = [line.partition(":")[2].strip() for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines() if line.startswith("model name")]
-        model = found[0] if found else model
-    except OSError:
-        pass
-    return f"{model}, {os.cpu_count()} processors, {platform.system()}"
-
-
 def caption(report):
     """The lines below the plot."""
     reference = report["reference"]
@@ -158,7 +163,7 @@ def caption(report):
     return [
         f"{report['scene']}, {report['resolution'][0]} x {report['resolution'][1]} pixels, {report['threads']} threads each, {report['repeats']} repeats in turns; {report['peer']['name']} {report['peer']['version']} beside Etalon {report['etalon']}",
         f"Each against a converged picture of its own renderer, its noise subtracted: {'; '.join(noise)}",
-        f"{report['made']}, {report['machine']}",
+        f"{report['made']}, {report['machine']['cpu']}, {report['machine']['processors']} processors, {report['machine']['system']}",
     ]
 
 
