@@ -67,7 +67,9 @@ def check_program(file):
     remedy = "give the program built from an earlier commit, as target/release/etalon of another worktree: seconds of another session hold that session's machine"
     if not file.is_file():
         raise InputError(file, "no such program", remedy)
-    if file.suffix in (".json", ".csv", ".exr") or file.open("rb").read(1) == b"{":
+    with file.open("rb") as content:
+        is_text = content.read(1) == b"{"
+    if file.suffix in (".json", ".csv", ".exr") or is_text:
         raise InputError(file, "is a report and no program", remedy)
     try:
         code, *_, said = run_process([file, "--version"])

@@ -20,8 +20,10 @@ from .converge_data import STAGES
 from .errors import InputError
 from .render import read_pixels
 
-# Samples per pixel of the first trial run, by what the next one has more, and the share of the budget that ends them.
+# Samples per pixel of the first trial run, by what the next one has more, and the share of the budget that samples take in the last.
 TRIAL_SPP, TRIAL_GROWTH, TRIAL_SHARE = 2, 4, 0.25
+# CPU seconds of a sample per pixel at least: those of a few operations.
+LEAST_SAMPLE_S = 1e-8
 # Samples per pixel below which no budget goes; budgets that would be smaller are left out.
 FEWEST_SPP = 2
 
@@ -122,18 +124,18 @@ class Speed:
 
 
 def try_out(program, job, integrator, budget_s, seed):
-    """The `Speed` of an integrator by runs of more and more samples, thrown away, until one takes a quarter of the budget."""
+    """The `Speed` of an integrator by runs of more and more samples, thrown away, until samples take a quarter of the budget."""
     spp, taken = TRIAL_SPP, []
     while True:
         made = render(program, job, integrator, spp, seed)
         taken.append((spp, made.cpu_s))
-        # One run alone does not tell set-up from samples, unless it is too much already.
-        if made.cpu_s >= TRIAL_SHARE * budget_s and len(taken) > 1 or made.cpu_s >= budget_s:
+        # Set-up may be most of it: what samples add must be seen, unless the budget is spent already.
+        if made.cpu_s - taken[0][1] >= TRIAL_SHARE * budget_s or made.cpu_s >= budget_s:
             break
         spp *= TRIAL_GROWTH
     (last, last_s), (before, before_s) = taken[-1], taken[-2] if len(taken) > 1 else (0, 0.0)
-    # The clock of the system is coarse: a run may seem to take no longer than a smaller one.
-    sample_s = max((last_s - before_s) / (last - before), 0.1 * last_s / last)
+    # Where set-up alone takes the budget, samples may seem to take nothing.
+    sample_s = max((last_s - before_s) / (last - before), LEAST_SAMPLE_S)
     return Speed(max(last_s - sample_s * last, 0.0), sample_s, made.facts, made.luminance.shape[::-1])
 
 
