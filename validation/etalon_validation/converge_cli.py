@@ -55,6 +55,7 @@ def positive_number(text):
 def run_converge(chosen):
     """Studies of the scenes, or comparisons with an earlier program; exit code 1 where efficiency fell."""
     from .peer_series import peer_options
+    from .peer_table import read_table
 
     if chosen.repeats < FEWEST_REPEATS:
         raise InputError("--repeats", f"{chosen.repeats} runs do not tell how much runs scatter", f"give at least {FEWEST_REPEATS}")
@@ -64,6 +65,9 @@ def run_converge(chosen):
     if not chosen.names:
         raise InputError("--integrators", "names none", f"give one or more, as in {INTEGRATORS}")
     chosen.peers = peer_options(chosen.peer, chosen.peer_scale, chosen.peer_reference)
+    for peer in chosen.peers:
+        # Before anything is run; once more when the size of pictures is known.
+        read_table(peer.name, peer.file)
     if chosen.peers and (chosen.baseline or len(chosen.scenes) > 1):
         raise InputError("--peer", "goes with one scene, and not with --baseline", "name the scene that it shows")
     chosen.program = chosen.program.resolve()
