@@ -119,6 +119,9 @@ class Peers(Case):
         # Fitted on the mean of five pictures of SIZE pixels with 0.1 / 2^2.5 of relative noise.
         error = 0.1 / 2**2.5 * np.sqrt((truth() ** 2).sum()) / truth().sum() / np.sqrt(5)
         self.assertLess(abs(peer.facts["factor"] - 1), stats.norm.isf(ALPHA / 2) * error)
+        last = np.mean([read_picture(self.folder / f"5-{repeat}.exr").luminance for repeat in range(5)])
+        self.assertAlmostEqual(peer.facts["factor"], truth().mean() / last)
+        self.assertIn("the 5 pictures of its last point", peer.sentence)
         (fitted,) = analyse([peer.series], self.reference())
         self.assertFalse(fitted.bias.is_significant)
 
