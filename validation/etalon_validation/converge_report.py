@@ -6,6 +6,7 @@ program, the scene and the machine; a figure that could not be had is null.
 
 import json
 import math
+from collections import Counter
 from dataclasses import asdict
 
 from . import __version__
@@ -72,6 +73,9 @@ def describe(reports, reference):
             f"{report.name}: relMSE {last.relmse_mean:.2e} (trimmed {last.trimmed_mean:.2e}) at {last.cpu_s:.2f} CPU s, set-up {seconds(last.setup_cpu_s)}; "
             f"slope {interval(report.fit.relmse)}; efficiency over the best {interval(report.ratio_to_best)} (trimmed {interval(report.ratio_to_best_trimmed)})"
         )
+        picked = Counter(run.integrator for run in report.runs if run.integrator not in (None, report.name))
+        if picked:
+            yield "  picked " + ", ".join(f"{name} in {count} of {len(report.runs)} runs" for name, count in picked.most_common())
         if report.bias is not None:
             bias = report.bias
             verdict = "BIASED" if bias.is_significant else "no bias seen"
