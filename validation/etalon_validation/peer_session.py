@@ -22,7 +22,7 @@ from .peer_table import REFERENCE, write_table
 POINTS = 6
 FEWEST_POINTS = 3
 REPEATS = 5
-# Far from the seeds of the references, 0 to 31.
+# Far from the seeds of the peer's reference, 0 to 31.
 FIRST_SEED = 1000
 TRIAL_SEED = 999
 TRIAL_SPP = 16
@@ -84,10 +84,12 @@ def schedule(found, budget_s, threads, most_spp):
     )
 
 
-def rounds(contestants, plan, folder, say=print):
-    """Every run of the schedule, in turns; pictures go into a folder for each series."""
+def rounds(contestants, plan, folder, taken_seed=0, say=print):
+    """Every run of the schedule, in turns; pictures go into a folder for each series. `taken_seed` is that of our reference."""
     runs = {contestant.name: [] for contestant in contestants}
     points = len(next(iter(plan.spp.values())))
+    is_free = not FIRST_SEED <= taken_seed < FIRST_SEED + REPEATS * points
+    first_seed = FIRST_SEED if is_free else taken_seed + 1
     for repeat in range(REPEATS):
         say(f"repeat {repeat + 1} of {REPEATS}")
         for point in range(points):
@@ -97,7 +99,7 @@ def rounds(contestants, plan, folder, say=print):
                 place.mkdir(parents=True, exist_ok=True)
                 spp = plan.spp[contestant.name][point]
                 output = place / f"{spp}spp-{repeat + 1}.exr"
-                runs[contestant.name].append(run(contestant, point, repeat, spp, FIRST_SEED + repeat * points + point, output))
+                runs[contestant.name].append(run(contestant, point, repeat, spp, first_seed + repeat * points + point, output))
     return {name: tuple(sorted(found, key=lambda entry: (entry.point, entry.repeat))) for name, found in runs.items()}
 
 

@@ -58,7 +58,7 @@ def study(chosen):
     most_spp = render.record["samples_per_pixel"] // REFERENCE_LEAD
     plan = schedule(costs(contestants), chosen.budget, chosen.threads, most_spp)
     print(f"{len(contestants)} series at {len(next(iter(plan.spp.values())))} budgets, {REPEATS} repeats, in turns: about {plan.expected_s:.0f} s")
-    runs = rounds(contestants, plan, folder)
+    runs = rounds(contestants, plan, folder, render.record.get("seed") or 0)
     write_rows(folder / "runs.csv", Run, [entry for found in runs.values() for entry in relative(found, folder)])
     judged = judge(chosen, contestants, runs, folder)
     report = report_of(chosen, render, judged, notes)
