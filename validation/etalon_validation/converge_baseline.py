@@ -49,6 +49,9 @@ class Comparison:
     differs: bool
     # "holds", "undecided" or "fell".
     verdict: str
+    # Commits that the programs say they were built from.
+    old_commit: str | None
+    new_commit: str | None
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,9 @@ class Pairs:
     new: np.ndarray
     old_cpu_s: np.ndarray
     new_cpu_s: np.ndarray
+    # Commits that the programs say they were built from.
+    old_commit: str | None = None
+    new_commit: str | None = None
 
 
 def check_program(file):
@@ -88,11 +94,11 @@ def measure(old, new, job, integrator, budget_s, pairs, first_seed=FIRST_SEED):
         turn = [("old", old), ("new", new)]
         for name, program in turn if pair % 2 == 0 else reversed(turn):
             made = render(program, job, integrator, spp, first_seed + pair)
-            found[name].append((made.luminance, made.cpu_s))
-    (old_images, old_s), (new_images, new_s) = (zip(*found[name]) for name in ("old", "new"))
+            found[name].append((made.luminance, made.cpu_s, made.facts.get("git_hash")))
+    (old_images, old_s, old_commits), (new_images, new_s, new_commits) = (zip(*found[name]) for name in ("old", "new"))
     if old_images[0].shape != new_images[0].shape:
         raise InputError(job.scene, "has another size with the old program", "give --resolution")
-    return Pairs(np.stack(old_images), np.stack(new_images), np.array(old_s), np.array(new_s)), spp
+    return Pairs(np.stack(old_images), np.stack(new_images), np.array(old_s), np.array(new_s), old_commits[0], new_commits[0]), spp
 
 
 def judge(pairs, factor, scene, integrator, spp):
@@ -119,7 +125,7 @@ def judge(pairs, factor, scene, integrator, spp):
     z = paired_z(new - old, middle)
     return Comparison(
         scene, integrator, spp, count, float(pairs.old_cpu_s.mean()), float(pairs.new_cpu_s.mean()), *figures,
-        is_identical, z, bool(z > sigmas(count)), verdict_of(figures[2], factor),
+        is_identical, z, bool(z > sigmas(count)), verdict_of(figures[2], factor), pairs.old_commit, pairs.new_commit,
     )
 
 

@@ -87,7 +87,8 @@ def against_runs(images, others):
     middle = others.mean(axis=0)
     scale = np.sqrt(divisor_of(middle) * middle.size).ravel()
     one, two = (Sample((part - middle).reshape(len(part), -1) / scale) for part in (images, others))
-    square = one.square() + two.square() - 2 * float(one.mean @ two.mean)
+    # The third product of means is zero: the others' own is the origin, and their square is less their noise.
+    square = one.square() + two.square()
     cross = float(((one.residuals @ two.residuals.T) ** 2).sum() / ((one.count - 1) * (two.count - 1)))
     squares = [one.trace_of_square(), two.trace_of_square()]
     null = sum(2 * trace / (part.count * (part.count - 1)) for part, trace in zip((one, two), squares)) + 4 * cross / (one.count * two.count)

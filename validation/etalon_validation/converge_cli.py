@@ -4,6 +4,7 @@ import argparse
 import datetime
 import json
 import math
+import re
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -33,7 +34,7 @@ def add_converge(commands):
     command.add_argument("--points", type=int, default=POINTS, help="doubling budgets")
     command.add_argument("--repeats", type=int, default=REPEATS, help="independent runs of each budget, or pairs")
     command.add_argument("--reference", type=Path, help="EXR with Y in cd/m2; without it a run is judged by the other runs")
-    command.add_argument("--resolution", help="WxH; default the reference's, or the scene's own")
+    command.add_argument("--resolution", type=resolution, help="WxH; default the reference's, or the scene's own")
     command.add_argument("--threads", type=int, help="threads of each run; default all processors")
     command.add_argument("--baseline", type=Path, help="the program of an earlier commit")
     command.add_argument("--factor", type=positive_number, default=FACTOR, help="by how much efficiency may fall")
@@ -50,6 +51,13 @@ def positive_number(text):
     if not number > 0 or not math.isfinite(number):
         raise argparse.ArgumentTypeError(f"{text} is not above zero")
     return number
+
+
+def resolution(text):
+    """Width and height as in 640x480, as argparse wants it."""
+    if not re.fullmatch(r"[1-9][0-9]*[xX][1-9][0-9]*", text):
+        raise argparse.ArgumentTypeError(f"{text} is no size, such as 640x480")
+    return text
 
 
 def run_converge(chosen):
@@ -101,7 +109,8 @@ def study(chosen, scene, folder):
     from .converge_study import Asked, finish, make_all, prepared, series_of
     from .peer_series import load_peer, peers_in_report, settle_peer
 
-    reference = read_reference(chosen.reference) if chosen.reference else None
+    size = [int(side) for side in chosen.resolution.lower().split("x")] if chosen.resolution else None
+    reference = read_reference(chosen.reference, size) if chosen.reference else None
     resolution = chosen.resolution or ("{1}x{0}".format(*reference.luminance.shape) if reference else None)
     # A run with the reference's seed might share its random numbers.
     taken = seed_of(chosen.reference) if reference else ()
@@ -137,6 +146,7 @@ def run_baseline(chosen):
     from .converge_baseline import check_program, describe, judge, measure
     from .converge_report import finite
     from .converge_runs import Job, machine
+    from .photograph import sha256_of
 
     if chosen.reference:
         raise InputError("--reference", "does not go with --baseline, which judges by scatter", "leave one of them out")
@@ -152,7 +162,8 @@ def run_baseline(chosen):
             pairs, spp = measure(old, chosen.program, job, integrator, chosen.budget or BASELINE_BUDGET_S, chosen.repeats)
             found.append(judge(pairs, chosen.factor, name_of(scene), integrator, spp))
             say(describe(found[-1], chosen.factor))
-    told = {"date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"), "machine": before, "factor": chosen.factor, "comparisons": [asdict(entry) for entry in found]}
+    programs = {name: {"file": str(file), "sha256": sha256_of(file)} for name, file in (("old", old), ("new", chosen.program))}
+    told = {"date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"), "machine": before, "programs": programs, "factor": chosen.factor, "comparisons": [asdict(entry) for entry in found]}
     (chosen.output / "baseline.json").write_text(json.dumps(finite(told), indent=2, allow_nan=False) + "\n", encoding="utf-8")
     fallen = [entry for entry in found if entry.verdict == "fell"]
     for entry in fallen:

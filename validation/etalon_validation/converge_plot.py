@@ -103,7 +103,7 @@ def draw_errors(axes, reports, kind, reference_relmse):
 def label_of(report, kind):
     """A legend entry: name, slope with its interval, set-up."""
     slope = getattr(report.fit, kind)
-    words = "no slope" if slope is None else f"slope {slope.value:.2f} [{slope.low:.2f}, {slope.high:.2f}]"
+    words = "slope not known" if slope is None or not np.isfinite(slope.high) else f"slope {slope.value:.2f} [{slope.low:.2f}, {slope.high:.2f}]"
     setup = report.points[-1].setup_cpu_s
     return f"{report.name}: {words}" + (f", set-up {setup:.2g} s" if setup is not None and kind == "relmse" else "")
 

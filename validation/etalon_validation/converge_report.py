@@ -84,8 +84,8 @@ def describe(reports, reference):
 
 
 def interval(estimate, digits=2):
-    """A figure with its interval; a dash where there is none."""
-    return "-" if estimate is None else f"{estimate.value:.{digits}f} [{estimate.low:.{digits}f}, {estimate.high:.{digits}f}]"
+    """A figure with its interval; a dash where there is none, or where nothing is known of it."""
+    return "-" if estimate is None or not math.isfinite(estimate.high) else f"{estimate.value:.{digits}f} [{estimate.low:.{digits}f}, {estimate.high:.{digits}f}]"
 
 
 def seconds(value):

@@ -18,7 +18,8 @@ from etalon_validation.converge_bias import FACTOR_ALPHA
 from etalon_validation.converge_data import Point, Run, Score, Series, append_row, read_runs, write_rows
 from etalon_validation.converge_fit import slope_of
 from etalon_validation.converge_reference import divisor_of, pooled_reference
-from etalon_validation.converge_report import finite
+from etalon_validation.converge_plot import label_of
+from etalon_validation.converge_report import finite, interval
 from etalon_validation.converge_score import score
 from etalon_validation.errors import InputError
 
@@ -211,6 +212,19 @@ class Flags(unittest.TestCase):
         point = point_of(made, scores, 0)
         self.assertIsNone(point.efficiency)
         self.assertIn("error not above zero", point.flags)
+
+
+class Words(unittest.TestCase):
+    def test_a_slope_of_which_nothing_is_known_is_not_a_number(self):
+        generator = np.random.default_rng(53)
+        made = series(generator, "path", 0.1)
+        # A bright pixel in one repeat of the largest budget: drawn sets without it have another slope altogether.
+        made.images[-1, 5, 5] *= 1000
+        report, = analyse([made], reference(generator))
+        self.assertEqual(interval(report.fit.relmse), "-")
+        self.assertIn("slope not known", label_of(report, "relmse"))
+        self.assertIn("heavy tail", flags(report))
+        self.assertIn("slope -", label_of(report, "trimmed"))
 
 
 class Files(unittest.TestCase):

@@ -85,7 +85,8 @@ class Study(unittest.TestCase):
         self.assertEqual([run.repeat for run in made], sorted(run.repeat for run in made))
         for repeat in range(5):
             turn = [run.series for run in made if run.repeat == repeat]
-            self.assertNotEqual(turn, sorted(turn), "an integrator's runs should not follow each other")
+            changes = sum(before != after for before, after in zip(turn, turn[1:]))
+            self.assertGreater(changes, 4, "an integrator's runs should not follow each other")
         self.assertEqual(order(plan, 5, (7,))[0].seed, made[0].seed)
 
     def test_stages_are_those_of_the_facts(self):
