@@ -40,6 +40,16 @@ pub struct Arguments {
     /// Threads of each run; all processors if left out
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Another renderer's pictures of the scene: a table with the columns cpu_seconds,file; as often
+    /// as there are others
+    #[arg(long, value_name = "NAME=FILE.csv", conflicts_with = "baseline")]
+    peer: Vec<String>,
+    /// cd/m2 per unit of a peer's files, where they do not say it
+    #[arg(long, value_name = "NAME=K", requires = "peer")]
+    peer_scale: Vec<String>,
+    /// A peer's own converged picture, which it is judged against
+    #[arg(long, value_name = "NAME=REF.exr", requires = "peer")]
+    peer_reference: Vec<String>,
     /// Program built from an earlier commit: exit with code 1 where efficiency fell since then
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
@@ -80,6 +90,14 @@ fn words(arguments: &Arguments) -> anyhow::Result<Vec<OsString>> {
     ];
     for (option, value) in given {
         words.extend(value.into_iter().flat_map(|value| [option.into(), value]));
+    }
+    let peers = [
+        ("--peer", &arguments.peer),
+        ("--peer-scale", &arguments.peer_scale),
+        ("--peer-reference", &arguments.peer_reference),
+    ];
+    for (option, values) in peers {
+        words.extend(values.iter().flat_map(|value| [option.into(), value.into()]));
     }
     Ok(words)
 }

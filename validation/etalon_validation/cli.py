@@ -8,6 +8,7 @@ from pathlib import Path
 from .converge_cli import add_converge
 from .errors import InputError
 from .pages_cli import add_commands
+from .peer_cli import add_peer_commands
 
 # Samples per pixel of the peer.
 PEER_SPP = 4096
@@ -61,6 +62,7 @@ def parser():
     peers.add_argument("--render", type=Path, required=True)
     peers.add_argument("-o", "--output", type=Path, required=True)
     peers.add_argument("--spp", type=int, default=PEER_SPP, help="samples per pixel of the peer")
+    peers.add_argument("--threads", type=positive, help="threads of the peer; all processors if left out")
     peers.set_defaults(run=run_peers)
 
     add_converge(commands)
@@ -69,6 +71,7 @@ def parser():
     plot.add_argument("file", type=Path, help="SVG or PNG to write")
     plot.set_defaults(run=run_plot)
     add_commands(commands)
+    add_peer_commands(commands)
     return top
 
 
@@ -255,7 +258,7 @@ def run_peers(chosen):
     """peers.json and a verdict; exit code 1 unless it is a pass."""
     from .peers import compare_with_mitsuba
 
-    verdict = compare_with_mitsuba(chosen.case, chosen.spectra, chosen.render, chosen.output, chosen.spp)
+    verdict = compare_with_mitsuba(chosen.case, chosen.spectra, chosen.render, chosen.output, chosen.spp, chosen.threads)
     print(verdict)
     return 0 if verdict.startswith("pass") else 1
 

@@ -32,12 +32,13 @@ FLAGS = {
 }
 
 
-def analyse(series_list, reference):
+def analyse(series_list, reference, own=None):
     """A `SeriesReport` per series, in their order.
 
-    `reference` is a `FileReference` or a `PooledReference`; pictures must have its size.
+    `reference` is a `FileReference` or a `PooledReference`; pictures must have its size. `own` holds,
+    by name, the references of series that are judged against one of their own.
     """
-    reports = [report_on(series, reference) for series in series_list]
+    reports = [report_on(series, (own or {}).get(series.name, reference)) for series in series_list]
     return tuple(ratios(reports))
 
 

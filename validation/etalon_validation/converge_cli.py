@@ -38,6 +38,9 @@ def add_converge(commands):
     command.add_argument("--threads", type=int, help="threads of each run; default all processors")
     command.add_argument("--baseline", type=Path, help="the program of an earlier commit")
     command.add_argument("--factor", type=positive_number, default=FACTOR, help="by how much efficiency may fall")
+    command.add_argument("--peer", action="append", metavar="NAME=FILE.csv", help="another renderer's pictures: a table with the columns cpu_seconds,file")
+    command.add_argument("--peer-scale", action="append", metavar="NAME=K", help="cd/m2 per unit of its files, where they do not say")
+    command.add_argument("--peer-reference", action="append", metavar="NAME=REF.exr", help="its own converged picture")
     command.add_argument("-o", "--output", type=Path, required=True)
     command.set_defaults(run=run_converge)
 
@@ -59,6 +62,9 @@ def resolution(text):
 
 def run_converge(chosen):
     """Studies of the scenes, or comparisons with an earlier program; exit code 1 where efficiency fell."""
+    from .peer_series import peer_options
+    from .peer_table import read_table
+
     if chosen.repeats < FEWEST_REPEATS:
         raise InputError("--repeats", f"{chosen.repeats} runs do not tell how much runs scatter", f"give at least {FEWEST_REPEATS}")
     if chosen.points < 1:
@@ -66,6 +72,12 @@ def run_converge(chosen):
     chosen.names = tuple(dict.fromkeys(name for name in chosen.integrators.split(",") if name))
     if not chosen.names:
         raise InputError("--integrators", "names none", f"give one or more, as in {INTEGRATORS}")
+    chosen.peers = peer_options(chosen.peer, chosen.peer_scale, chosen.peer_reference)
+    for peer in chosen.peers:
+        # Before anything is run; once more when the size of pictures is known.
+        read_table(peer.name, peer.file)
+    if chosen.peers and (chosen.baseline or len(chosen.scenes) > 1):
+        raise InputError("--peer", "goes with one scene, and not with --baseline", "name the scene that it shows")
     chosen.program = chosen.program.resolve()
     for scene in chosen.scenes:
         read_json(scene, "give a scene")
@@ -92,13 +104,14 @@ def say(line):
     print(line, flush=True)
 
 
-def study(chosen, scene, folder, foreign=()):
-    """One scene: runs, reports and plot into its folder. `foreign` are `Series` of other renderers, of the same size."""
+def study(chosen, scene, folder):
+    """One scene: runs, reports and plot into its folder, those of other renderers beside them."""
     from .converge_analysis import analyse
     from .converge_reference import pooled_reference, read_reference, seed_of
     from .converge_report import describe, write
     from .converge_runs import Job, machine
     from .converge_study import Asked, finish, make_all, prepared, series_of
+    from .peer_series import load_peer, peers_in_report, settle_peer
 
     size = [int(side) for side in chosen.resolution.lower().split("x")] if chosen.resolution else None
     reference = read_reference(chosen.reference, size) if chosen.reference else None
@@ -112,17 +125,22 @@ def study(chosen, scene, folder, foreign=()):
     plan = prepared(asked, job, folder, taken)
     if reference is not None:
         reference = read_reference(chosen.reference, plan["size"])
+    # Before runs that may take hours.
+    loaded = [load_peer(option, plan["size"], chosen.names) for option in chosen.peers]
     made = make_all(asked, job, plan, folder, taken, say)
-    found = series_of(made, plan, folder) + list(foreign)
+    found = series_of(made, plan, folder)
     reference = reference or pooled_reference(found)
-    reports = analyse(found, reference)
+    peers = [settle_peer(each, reference.luminance) for each in loaded]
+    reports = analyse(found + [peer.series for peer in peers], reference, {peer.series.name: peer.own for peer in peers if peer.own})
     facts = plan["facts"] | {
         "scene_file": str(scene), "size": plan["size"], "date": date, "threads": chosen.threads, "machine": before | {"load_average_after": machine()["load_average"]},
         "budget_cpu_s": asked.budget_s, "repeats": asked.repeats, "trials": plan["trials"], "missing": plan["missing"],
     }
+    if peers:
+        facts["peers"] = peers_in_report(peers, reference)
     finish(folder, made)
     paths = write(folder, facts, reference, reports)
-    for line in describe(reports, reference):
+    for line in [*describe(reports, reference), *(peer.sentence for peer in peers)]:
         say(line)
     say("written: " + ", ".join(str(path) for path in paths))
 

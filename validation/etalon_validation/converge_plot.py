@@ -23,19 +23,22 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 INK, GREY, SHADE = "#1c1d1f", "#8a8d91", "#ececee"
 WIDTH_IN, PANELS_IN, LINE_IN = 11.5, 4.3, 0.17
 CAPTION_CHARACTERS = 165
+# What fits beside the panel of efficiencies.
+TICK_CHARACTERS = 10
+SECONDS = "CPU seconds of the whole run"
 # Room beyond the smallest and largest value of a logarithmic axis, as a factor.
 MARGIN = 1.35
 KINDS = (("relmse", "relative mean squared error of luminance", "all pixels"), ("trimmed", "", "without the largest 0.1 % of pixels"))
 
 
-def plot(reports, folder, caption, reference_relmse=None):
-    """Writes `converge.svg` and `converge.png` into a folder and returns their paths.
+def plot(reports, folder, caption, reference_relmse=None, stem="converge", seconds=SECONDS):
+    """Writes `converge.svg` and `converge.png`, or another stem, into a folder and returns their paths.
 
     `reports` are `SeriesReport`s in the order of the legend, `caption` the lines below the
     figure (scene, size, date, machine), `reference_relmse` the reference's own error or None.
     """
-    figure = draw(reports, caption, reference_relmse)
-    paths = [Path(folder) / f"converge.{kind}" for kind in ("svg", "png")]
+    figure = draw(reports, caption, reference_relmse, seconds)
+    paths = [Path(folder) / f"{stem}.{kind}" for kind in ("svg", "png")]
     for path in paths:
         # To memory first: a failure leaves no half-written file. Without a date files compare.
         buffer, kind = io.BytesIO(), path.suffix[1:]
@@ -46,7 +49,7 @@ def plot(reports, folder, caption, reference_relmse=None):
     return paths
 
 
-def draw(reports, caption, reference_relmse):
+def draw(reports, caption, reference_relmse, seconds=SECONDS):
     """The figure: two panels of errors, one of efficiencies, flags and caption below."""
     remarks = [f"{report.name}: {flag.name}: {flag.text}" for report in reports for flag in report.flags]
     remarks = [line for text in remarks + [""] + list(caption) for line in textwrap.wrap(text, CAPTION_CHARACTERS, subsequent_indent="    ") or [""]]
@@ -59,7 +62,7 @@ def draw(reports, caption, reference_relmse):
     for axes, (kind, label, title) in zip((left, right), KINDS):
         draw_errors(axes, reports, kind, reference_relmse if kind == "relmse" else None)
         axes.set_title(title, loc="left", fontsize=10)
-        axes.set_xlabel("CPU seconds of the whole run")
+        axes.set_xlabel(seconds)
         axes.set_ylabel(label)
     right.tick_params(labelleft=False, which="both")
     limit(left, reports)
@@ -143,7 +146,7 @@ def draw_efficiencies(axes, reports):
             axes.plot([ratio.value], [index + shift], color=colour, marker=marker, markerfacecolor=face, markersize=6)
             axes.annotate(f"{ratio.value:.3g}", (ratio.value, index + shift), xytext=(0, 6 if shift < 0 else -12), textcoords="offset points", ha="center", fontsize=7.4)
     axes.axvline(1, color=GREY, linewidth=1, linestyle="--")
-    axes.set_yticks(range(len(names)), names)
+    axes.set_yticks(range(len(names)), [textwrap.fill(name, TICK_CHARACTERS) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
     low = min(lows, default=0.1)
     axes.set_xlim(min(low / 2, 0.3), 2.5)

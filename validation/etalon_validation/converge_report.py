@@ -58,6 +58,7 @@ def caption(facts, reference):
     machine = facts["machine"]
     yield f"{facts['scene']}, {size}, {facts['repeats']} repeats a point (lines: medians, shades: 10-90 %); reference: {against}, its noise subtracted" + ("" if told["noise"] else " where known (it is not)")
     commit = (facts.get("git_hash") or "unknown commit")[:19]
+    yield from (peer["sentence"] for peer in facts.get("peers", {}).values())
     yield f"etalon {facts['version']} ({commit}), {facts['date']}, {machine['cpu']}, {facts['threads'] or machine['processors']} threads"
 
 

@@ -65,12 +65,15 @@ def first_error(text):
     return (errors or lines or ["no reason given"])[0].removeprefix("error: ")
 
 
-def run_process(words):
-    """Exit code, CPU and wall seconds of a process and all that it waited for, and what it wrote on stderr."""
+def run_process(words, environment=None):
+    """Exit code, CPU and wall seconds of a process and all that it waited for, and what it wrote on stderr.
+
+    `environment`: variables besides our own.
+    """
     with tempfile.TemporaryFile() as said:
         before = time.perf_counter()
         try:
-            process = subprocess.Popen([str(word) for word in words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said)
+            process = subprocess.Popen([str(word) for word in words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said, env=os.environ | (environment or {}))
         except OSError as error:
             raise InputError(words[0], f"cannot be run ({error.strerror})", "build it, or name another program") from None
         try:

@@ -1,15 +1,11 @@
 """Compares an all-diffuse render with Mitsuba 3 in absolute XYZ, block by block.
 
-No factor is fitted: both sides are integrals of absolute spectral radiance with
-the CIE 1931 observer times 683 lm/W. Mitsuba's XYZ film divides the integral by
-its constant 106.7503, while the observer's own integral over 360 to 830 nm is
-106.8569; multiplying by the constant restores the integral. Its observer has
-5 nm samples, ours 1 nm. Both images are seen as by an eye: the right of the
-picture is look x up.
+No factor is fitted: see `peer_mitsuba.py`. Both images are seen as by an eye:
+the right of the picture is look x up. The mean of the peer's runs is kept as its
+own converged picture, with the standard error by their scatter.
 """
 
 import json
-import tempfile
 import time
 from importlib import metadata
 from pathlib import Path
@@ -18,10 +14,10 @@ import numpy as np
 from scipy import stats
 
 from .errors import InputError, meaning, read_json
-from .peer_scene import EFFICACY, Spectra, mitsuba_scene
+from .peer_mitsuba import SCALAR, load_mitsuba, load_scene, render_xyz, write_xyz
+from .peer_scene import EFFICACY, Spectra
 from .render import read_render
 
-VARIANT = "scalar_spectral"
 BLOCK = 8
 # Relative difference that a block may have beyond its noise.
 TOLERANCE = 0.005
@@ -31,6 +27,8 @@ RUNS = 32
 FALSE_ALARM = 0.01
 # Blocks darker than this share of the mean are empty surroundings.
 EMPTY = 1e-3
+# The peer's own picture, the mean of its runs.
+REFERENCE_FILE = "mitsuba-reference.exr"
 # A block size whose typical noise is below this shows agreement within the tolerance.
 MOST_NOISE = 0.0025
 
@@ -42,21 +40,19 @@ def blocks(image):
     return cut.reshape(height, BLOCK, width, BLOCK, -1).mean(axis=(1, 3))
 
 
-def run_mitsuba(scene, spectra, spp, place):
-    """Block means (runs, rows, columns, 3) of absolute XYZ, the run time, and the normalisation undone."""
-    try:
-        import mitsuba as mi
-    except ImportError:
-        raise InputError("mitsuba", "is not installed", "install validation/requirements-peers.txt in an environment of its own") from None
-    mi.set_variant(VARIANT)
-    normalisation = 1 / mi.MI_CIE_Y_NORMALIZATION
+def run_mitsuba(scene, spectra, spp, threads, place):
+    """Block means (runs, rows, columns, 3) of absolute XYZ, the picture's mean and standard error (height, width, 3), the run time, and the normalisation undone."""
+    mi = load_mitsuba(SCALAR, threads)
     start = time.monotonic()
-    with tempfile.TemporaryDirectory() as folder:
-        with meaning(place, "correct the scene"):
-            described = mitsuba_scene(mi, scene, spectra, folder, place)
-        loaded = mi.load_dict(described)
-        runs = [blocks(np.array(mi.render(loaded, spp=max(1, spp // RUNS), seed=seed), float)) for seed in range(RUNS)]
-    return EFFICACY * normalisation * np.array(runs), time.monotonic() - start, normalisation
+    loaded = load_scene(mi, scene, spectra, place)
+    means, total, squares = [], 0, 0
+    for seed in range(RUNS):
+        xyz = render_xyz(mi, loaded, max(1, spp // RUNS), seed)
+        means.append(blocks(xyz))
+        total, squares = total + xyz, squares + xyz**2
+    mean = total / RUNS
+    stderr = np.sqrt(np.maximum(squares / RUNS - mean**2, 0) / (RUNS - 1))
+    return np.array(means), (mean, stderr), time.monotonic() - start, 1 / mi.MI_CIE_Y_NORMALIZATION
 
 
 def merged(means):
@@ -114,8 +110,8 @@ def mirrored(ours, theirs):
     return bool(turned < plain)
 
 
-def compare_with_mitsuba(case, spectra_folder, render_path, output, spp):
-    """Writes peers.json and returns one line with the verdict."""
+def compare_with_mitsuba(case, spectra_folder, render_path, output, spp, threads=None):
+    """Writes peers.json and the peer's picture, and returns one line with the verdict."""
     place = Path(case) / "scene.json"
     scene = read_json(place, "give a case folder with the diffuse scene")
     render = read_render(render_path)
@@ -125,17 +121,18 @@ def compare_with_mitsuba(case, spectra_folder, render_path, output, spp):
     if width * resolution[1] != height * resolution[0]:
         raise InputError(render_path, f"has {render.size} pixels, the scene {resolution}", "render the scene at its own shape")
     scene["camera"]["resolution"] = [width, height]
-    peers, seconds, normalisation = run_mitsuba(scene, Spectra(spectra_folder), spp, place)
+    peers, picture, seconds, normalisation = run_mitsuba(scene, Spectra(spectra_folder), spp, threads, place)
     our_error = np.sqrt(blocks(render.stderr**2)) / BLOCK
     result = judge(blocks(render.xyz), our_error, peers)
     head = {
         "scene": scene.get("name"), "render": {"file": render.file, "sha256": render.sha256, "samples_per_pixel": render.record.get("samples_per_pixel"), "seconds": render.record.get("seconds")},
-        "peer": {"name": "Mitsuba", "version": metadata.version("mitsuba"), "variant": VARIANT, "samples_per_pixel": spp // RUNS * RUNS, "runs": RUNS, "seconds": round(seconds, 1)},
+        "peer": {"name": "Mitsuba", "version": metadata.version("mitsuba"), "variant": SCALAR, "samples_per_pixel": spp // RUNS * RUNS, "runs": RUNS, "seconds": round(seconds, 1), "file": REFERENCE_FILE},
         "scale": f"Nothing fitted. Mitsuba XYZ x {normalisation:.4f} (its Y constant; the observer's own integral is 106.8569) x {EFFICACY:g} lm/W.",
         "orientation": "The picture's right is look x up on both sides.",
         "rule": f"Pass when every block and channel agrees within {TOLERANCE:.1%} beyond noise (t quantile, Sidak over all blocks of a size, false alarm {FALSE_ALARM:.0%}), at {BLOCK}x{BLOCK} pixels and every doubling; resolved_block_px is the smallest size with typical noise below {MOST_NOISE:.2%}; where that is not {BLOCK}, the verdict is undecided.",
     }
     Path(output).mkdir(parents=True, exist_ok=True)
+    write_xyz(Path(output) / REFERENCE_FILE, *picture)
     (Path(output) / "peers.json").write_text(json.dumps(head | result) + "\n", encoding="utf-8")
     smallest = result["block_sizes"][BLOCK]
     largest = f"largest difference of a {BLOCK} px block {smallest['largest_deviation']:.2%} with typical noise {smallest['typical_noise']:.2%}, largest z-score {smallest['largest_score']:.1f}" if smallest["tests"] else "no block is lit"

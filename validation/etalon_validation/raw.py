@@ -8,7 +8,6 @@ marked: their values are lower bounds.
 """
 
 import numpy as np
-import rawpy
 from scipy import ndimage
 
 from .errors import InputError
@@ -28,6 +27,9 @@ TURNS = {0: 0, 3: 2, 5: 1, 6: 3}
 
 def read_raw(path):
     """Linear camera RGB (h, w, 3), the saturated pixels (h, w) and the exposure facts of a RAW file."""
+    # Only here: the environment of the peers, which reads renders, is without it.
+    import rawpy
+
     try:
         with rawpy.imread(str(path)) as raw:
             saturated = saturated_pixels(raw)

@@ -1,7 +1,7 @@
 //! The reference cases, as data: what each renders, with what, and what it is held against.
 //! A new case is a folder in `reference/` and a line here.
 
-use super::self_test;
+use super::{peers, self_test};
 use etalon::error::{Error, Result};
 use etalon::integrator::Integrator;
 
@@ -57,7 +57,7 @@ pub const CASES: [Case; 10] = [
         samples_per_pixel: 128,
         ..Case::photographed("cornell-ccd", "cornell-ccd")
     },
-    Case { against: Against::Peer, samples_per_pixel: 8192, ..Case::photographed("peers", "cornell") },
+    Case { against: Against::Peer, samples_per_pixel: 8192, ..Case::photographed(peers::NAME, "cornell") },
 ];
 
 impl Case {
@@ -86,11 +86,6 @@ impl Case {
     /// Whether `validate all` takes it in: peers need an environment of their own and much time.
     pub fn is_in_all(&self) -> bool {
         self.against != Against::Peer
-    }
-
-    /// What it writes into its folder for a reader.
-    pub fn report(&self) -> &'static str {
-        if self.against == Against::Peer { "peers.json" } else { "report.html" }
     }
 }
 

@@ -4,12 +4,14 @@
 mod all;
 mod cases;
 mod one;
+mod peers;
 mod photographs;
 mod self_test;
 
 use super::arguments::Effort;
 use cases::Case;
 use clap::Args;
+use etalon::error::Error;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -36,6 +38,10 @@ pub struct Arguments {
     /// Score a photograph even where its registration fails, and mark every figure
     #[arg(long)]
     force_registration: bool,
+    /// With peers: seconds of all runs that show error against run time together, the two converged
+    /// pictures apart [default: 180]
+    #[arg(long, value_name = "SECONDS", value_parser = budget)]
+    budget: Option<f64>,
     /// Folder for reports and images [default: out/validate-CASE]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -44,6 +50,9 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    if arguments.budget.is_some() && arguments.case != peers::NAME {
+        return Err(Error::new("--budget goes with peers").hint("leave it out").into());
+    }
     if arguments.case == self_test::NAME {
         return self_test::run(arguments);
     }
@@ -51,6 +60,12 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         return all::run(arguments);
     }
     one::run(Case::named(&arguments.case)?, arguments)
+}
+
+/// Wall seconds.
+fn budget(text: &str) -> Result<f64, String> {
+    let seconds = text.parse::<f64>().ok().filter(|seconds| seconds.is_finite() && *seconds > 0.0);
+    seconds.ok_or_else(|| "give a positive number of seconds, such as 180".to_owned())
 }
 
 impl Arguments {

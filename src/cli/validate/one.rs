@@ -2,7 +2,7 @@
 
 use super::Arguments;
 use super::cases::{Against, Case};
-use super::photographs;
+use super::{peers, photographs};
 use crate::cli::print;
 use crate::cli::render::{Files, render_to_files};
 use etalon::error::{Error, Result};
@@ -14,8 +14,8 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Size of the picture that is compared with a peer: 8x8 blocks are averaged.
-const PEERS_RESOLUTION: [u32; 2] = [128, 128];
+/// What a reader opens in the folder of a case.
+const REPORT: &str = "report.html";
 
 /// Where the pictures of a case are, and how they were made.
 struct Rendered {
@@ -48,15 +48,18 @@ pub fn run(case: &Case, arguments: &Arguments) -> anyhow::Result<ExitCode> {
             words
         }
         Against::Exposure => vec!["--threads".into(), rayon::current_num_threads().to_string().into()],
-        Against::Peer => vec![
-            "--spp".into(),
-            rendered.samples_per_pixel.to_string().into(),
-            "--spectra".into(),
-            project_root()?.join("spectra").into(),
-        ],
+        Against::Peer => peers::words(rendered.samples_per_pixel)?,
     };
-    judge(case, &rendered, words)?;
-    print(&format!("report: {}", rendered.output.join(case.report()).display()));
+    let passes = judge(case, &rendered, words)?;
+    if case.against == Against::Peer {
+        // Pictures that differ, or are too noisy, do not keep anybody from seeing how fast they are.
+        peers::converge(&rendered.case, &rendered.output, arguments.budget)?;
+    }
+    print(&format!("report: {}", rendered.output.join(REPORT).display()));
+    if !passes {
+        eprintln!("error: agreement with the peer is not shown; the report says why");
+        return Ok(ExitCode::FAILURE);
+    }
     Ok(ExitCode::SUCCESS)
 }
 
@@ -83,7 +86,7 @@ fn predict(case: &Case, cases: [&str; 2], arguments: &Arguments) -> anyhow::Resu
     let output = arguments.folder();
     words.extend(["-o".into(), output.clone().into()]);
     environment(case)?.run_module("cross-predict", &words, None)?;
-    print(&format!("report: {}", output.join(case.report()).display()));
+    print(&format!("report: {}", output.join(REPORT).display()));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -121,7 +124,7 @@ fn render(case: &Case, arguments: &Arguments) -> anyhow::Result<Rendered> {
     let mut effort = arguments.effort.clone();
     effort.integrator.get_or_insert(case.integrator);
     if case.against == Against::Peer {
-        effort.resolution.get_or_insert(PEERS_RESOLUTION);
+        effort.resolution.get_or_insert(peers::RESOLUTION);
     }
     let view = effort.resize(scene.view()?);
     let (exr, png) = (output.join("render.exr"), output.join("render.png"));
@@ -136,8 +139,8 @@ fn render(case: &Case, arguments: &Arguments) -> anyhow::Result<Rendered> {
     Ok(Rendered { case: folder, output, exr, samples_per_pixel })
 }
 
-/// Lets the harness write the report.
-fn judge(case: &Case, rendered: &Rendered, more: Vec<OsString>) -> anyhow::Result<()> {
+/// Lets the harness write the report; whether it comes to no verdict or to one that passes.
+fn judge(case: &Case, rendered: &Rendered, more: Vec<OsString>) -> anyhow::Result<bool> {
     let mut words: Vec<OsString> =
         vec!["--case".into(), (&rendered.case).into(), "--render".into(), (&rendered.exr).into()];
     words.extend(["-o".into(), (&rendered.output).into()]);
@@ -149,5 +152,9 @@ fn judge(case: &Case, rendered: &Rendered, more: Vec<OsString>) -> anyhow::Resul
         Against::Exposure => "exposure",
         Against::Peer => "peers",
     };
-    environment(case)?.run_module(command, &words, None)
+    let environment = environment(case)?;
+    if case.against == Against::Peer {
+        return environment.judge_module(command, &words);
+    }
+    environment.run_module(command, &words, None).map(|()| true)
 }
