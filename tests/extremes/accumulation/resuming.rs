@@ -37,7 +37,7 @@ pub fn a_killed_run_goes_on_to_the_same_bits(record: &mut Record) {
         record.exactly(format!("{integrator}: parts"), facts["parts"].to_string(), "2".to_owned());
         let (before, all) = (at_kill.spent(), |key: &str| facts[key].as_f64().unwrap_or(f64::NAN));
         record.holds(format!("{integrator}: there were samples before"), at_kill.samples_per_pixel() > 0);
-        record.holds(format!("{integrator}: seconds add"), all("seconds") > before.seconds);
+        record.holds(format!("{integrator}: seconds add"), all("seconds") > before.rendering.wall_s);
         let cpu_seconds = before.cpu_seconds.unwrap_or(f64::NAN);
         record.holds(format!("{integrator}: processor seconds add"), all("cpu_seconds") > cpu_seconds);
         // Asked once more, the run has nothing to do but to write its picture again.
