@@ -23,11 +23,8 @@ impl SmoothDielectric {
         let seen = self.interface.seen_from(wo.z > 0.0);
         let hero = seen.shares(0, wo.z.abs());
         let is_flat = seen.is_flat();
-        let shares: [Shares; LANES] = if is_flat {
-            [hero; LANES]
-        } else {
-            std::array::from_fn(|lane| seen.shares(lane, wo.z.abs()))
-        };
+        let shares: [Shares; LANES] =
+            if is_flat { [hero; LANES] } else { std::array::from_fn(|lane| seen.shares(lane, wo.z.abs())) };
         let reflects = u_lobe < hero.reflected as f32 || hero.crossing == 0.0;
         let sample = |wi, value, pdf| BsdfSample {
             wi,
