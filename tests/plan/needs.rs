@@ -11,15 +11,8 @@ use std::path::{Path, PathBuf};
 
 /// What a matte scene with one lamp of daylight before a pinhole has no use for, for
 /// bidirectional path tracing, which lists every strategy.
-const MATTE: [&str; 7] = [
-    "even-wavelengths",
-    "lane-densities",
-    "media",
-    "lens",
-    "lamp-choice",
-    "direct-asks-eye",
-    "meets-eye",
-];
+const MATTE: [&str; 7] =
+    ["even-wavelengths", "lane-densities", "media", "lens", "lamp-choice", "direct-asks-eye", "meets-eye"];
 
 /// Every small scene: what differs from [`MATTE`], `+` for what is left out besides, `-` for what
 /// is needed here.

@@ -95,6 +95,7 @@ impl Plan {
         let chooses_lamps =
             !decisions.leave_out(LAMP_CHOICE, shining < 2, "one lamp at most: none is chosen", "");
         let strategies = strategies::needed(scene, listed, &mut decisions);
+        remarks.push(wavelengths::per_path(lanes_differ));
         if shining == 0 {
             remarks.push(NOTHING_SHINES.into());
         }

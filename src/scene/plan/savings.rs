@@ -1,7 +1,7 @@
 //! What leaving an item out saves, as it was measured.
 //!
 //! The table is data, not code: `savings.csv` is written, with the page `validation/plan.md`, by
-//! the measurement itself (`tests/plan/measure.rs`). A saving is stated for the scene that it was
+//! `python -m etalon_validation plan-savings`. A saving is stated for the scene that it was
 //! measured on, since no two scenes save the same.
 
 use serde::Serialize;

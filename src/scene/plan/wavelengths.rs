@@ -6,7 +6,7 @@ use super::leaving::{EVEN_WAVELENGTHS, OUTER_WAVELENGTHS};
 use crate::camera::Sensor;
 use crate::light::Light;
 use crate::scene::Scene;
-use crate::spectrum::{FIRST_NM, GRID_POINTS, LAST_NM, WavelengthSampler, between_grid_points};
+use crate::spectrum::{FIRST_NM, GRID_POINTS, LANES, LAST_NM, WavelengthSampler, between_grid_points};
 
 /// The sampler; even over all wavelengths where no sensor responds or no lamp shines. What it
 /// draws from is said in `remarks` where it is not among the decisions.
@@ -99,4 +99,11 @@ fn lines_drawn(lines: &[(f64, f64)]) -> Option<String> {
         let lines = if count == 1 { "spectral line" } else { "spectral lines" };
         format!("{count} {lines}: drawn each by itself, at its wavelength exactly")
     })
+}
+
+/// How many wavelengths a path carries. Their number is one for all scenes: `validation/plan.md`
+/// has what fewer and more would do.
+pub(super) fn per_path(lanes_differ: bool) -> String {
+    let fate = if lanes_differ { "until a smooth refraction with dispersion" } else { "all to its end" };
+    format!("{LANES} wavelengths a path, {fate}: as many as vector instructions of 256 bits hold")
 }
