@@ -12,6 +12,7 @@ use crate::needs::{SMALL, left_out};
 use crate::scenes;
 use etalon::integrator::{Budget, Integrator, Silent};
 use etalon::scene::{Leaving, PLAN_ITEMS, Plan, Scene};
+use etalon::spectrum::WavelengthSampler;
 use etalon::statistics::{Agreement, Verdict};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -25,12 +26,16 @@ const MARGIN: f64 = 0.02;
 const BATCHES: u64 = 16;
 const LUMINANCE: usize = 1;
 
-/// Every channel of every pixel, in this order.
-fn picture(scene: &Scene, integrator: Integrator, leaving: &Leaving, spp: u64, seed: u64) -> Vec<Vec<f64>> {
+fn plan_of(scene: &Scene, integrator: Integrator, leaving: &Leaving) -> Plan {
     let view = scene.view().expect("a camera");
-    let plan = Plan::under(scene, &view.sensor, integrator.strategies(), leaving);
+    Plan::under(scene, &view.sensor, integrator.strategies(), leaving)
+}
+
+/// Every channel of every pixel, in this order.
+fn picture(scene: &Scene, integrator: Integrator, plan: &Plan, spp: u64, seed: u64) -> Vec<Vec<f64>> {
+    let view = scene.view().expect("a camera");
     let budget = Budget { samples_per_pixel: spp, time: None, error: None, seed };
-    let film = integrator.render(scene, view, &plan, &budget, &Silent).film;
+    let film = integrator.render(scene, view, plan, &budget, &Silent).film;
     assert_eq!(film.faults.count, 0, "{:?}", film.faults.named);
     let channel = |channel| (0..film.pixels()).map(|pixel| film.mean(pixel, channel)).collect();
     (0..view.sensor.channels.len()).map(channel).collect()
@@ -58,8 +63,8 @@ fn what_decides_nothing_changes_no_bit() {
             if left.is_empty() {
                 continue;
             }
-            let [lean, kept] =
-                [Leaving::all(), more].map(|leaving| picture(&scene, integrator, &leaving, SPP, 1));
+            let [lean, kept] = [Leaving::all(), more]
+                .map(|leaving| picture(&scene, integrator, &plan_of(&scene, integrator, &leaving), SPP, 1));
             assert!(bits(&lean) == bits(&kept), "{}, {}: {left:?}", scene.name, integrator.name());
             seen.extend(left);
         }
@@ -79,8 +84,8 @@ fn densities_of_one_wavelength_are_those_of_all() {
         let scene = scene(&json);
         let kept = Leaving::all_but(["lane-densities"]).expect("an item");
         for integrator in [Integrator::Path, Integrator::Light, Integrator::Bdpt] {
-            let [one, all] =
-                [Leaving::all(), kept].map(|leaving| picture(&scene, integrator, &leaving, SPP, 1));
+            let [one, all] = [Leaving::all(), kept]
+                .map(|leaving| picture(&scene, integrator, &plan_of(&scene, integrator, &leaving), SPP, 1));
             for (a, b) in one.iter().flatten().zip(all.iter().flatten()) {
                 let what = format!("{}, {}", scene.name, integrator.name());
                 assert!((a - b).abs() <= ROUNDING * a.abs().max(b.abs()), "{what}: {a} and {b}");
@@ -89,19 +94,24 @@ fn densities_of_one_wavelength_are_those_of_all() {
     }
 }
 
-/// Judges the bare plan against the full one; samples per pixel in each batch.
-fn assert_same_picture(json: &Value, integrator: Integrator, spp: u64) {
-    let scene = scene(json);
+/// Judges a plan against the full one; samples per pixel in each batch.
+fn against_full(scene: &Scene, integrator: Integrator, lean: &Plan, spp: u64) -> Agreement {
     let [width, height] = scene.view().expect("a camera").camera.resolution().map(|side| side as usize);
-    let batches = |leaving: &Leaving, first: u64| -> Vec<Vec<f64>> {
-        let batch = |seed| picture(&scene, integrator, leaving, spp, seed).swap_remove(LUMINANCE);
+    let batches = |plan: &Plan, first: u64| -> Vec<Vec<f64>> {
+        let batch = |seed| picture(scene, integrator, plan, spp, seed).swap_remove(LUMINANCE);
         (first..first + BATCHES).map(batch).collect()
     };
-    let (lean, full) = (batches(&Leaving::all(), 1000), batches(&Leaving::none(), 2000));
-    let agreement = Agreement::of(&lean, &full, width, height, MARGIN);
-    let what = format!("{}, {}, lean against full", scene.name, integrator.name());
-    println!("{what}\n{agreement}");
-    assert!(agreement.verdict == Verdict::Equal, "{what}: {agreement}");
+    let full = plan_of(scene, integrator, &Leaving::none());
+    let agreement = Agreement::of(&batches(lean, 1000), &batches(&full, 2000), width, height, MARGIN);
+    println!("{}, {}, lean against full\n{agreement}", scene.name, integrator.name());
+    agreement
+}
+
+fn assert_same_picture(json: &Value, integrator: Integrator, spp: u64) {
+    let scene = scene(json);
+    let lean = plan_of(&scene, integrator, &Leaving::all());
+    let agreement = against_full(&scene, integrator, &lean, spp);
+    assert!(agreement.verdict == Verdict::Equal, "{}: {agreement}", scene.name);
 }
 
 macro_rules! same_picture {
@@ -141,4 +151,54 @@ fn every_item_is_judged() {
         seen.extend(left_out(&Plan::of(&scene, &view.sensor, integrator.strategies())));
     }
     assert_eq!(seen, PLAN_ITEMS.into_iter().collect());
+}
+
+/// Leaving out what a scene needs is noticed: each of these plans is spoilt in one thing.
+fn assert_noticed(json: &Value, integrator: Integrator, spp: u64, spoil: impl Fn(&mut Plan)) {
+    let scene = scene(json);
+    let mut plan = plan_of(&scene, integrator, &Leaving::all());
+    spoil(&mut plan);
+    let agreement = against_full(&scene, integrator, &plan, spp);
+    assert!(agreement.verdict == Verdict::Different, "{}: {agreement}", scene.name);
+}
+
+#[test]
+fn a_cut_of_20_nm_is_noticed() {
+    // The lamp's radiance rises from 500 to 550 nm and falls to 600: 8 % of it lies beyond 580.
+    assert_noticed(&scenes::band(), Integrator::Path, 24, |plan| {
+        let weights: Vec<f64> = etalon::spectrum::grid_nm()
+            .map(|nm| if nm < 580.0 { plan.wavelengths.pdf_per_nm(nm + 0.5) } else { 0.0 })
+            .collect();
+        plan.wavelengths = WavelengthSampler::proportional_to(&weights).expect("most is left");
+    });
+}
+
+#[test]
+fn media_that_are_not_tracked_are_noticed() {
+    let glass = common::camera_in_absorbing_glass();
+    assert_noticed(&glass, Integrator::Path, 24, |plan| plan.tracks_media = false);
+}
+
+#[test]
+fn light_that_must_meet_the_lens_is_missed() {
+    let glass = scenes::point_in_glass();
+    assert_noticed(&glass, Integrator::Bdpt, 32, |plan| plan.strategies.meets_eye = false);
+}
+
+#[test]
+fn a_point_light_in_view_is_missed() {
+    let room = scenes::point_in_view();
+    assert_noticed(&room, Integrator::Bdpt, 8, |plan| plan.strategies.light_to_eye = false);
+}
+
+#[test]
+fn one_density_for_wavelengths_that_part_is_noticed() {
+    let prism = common::dispersive_prism();
+    assert_noticed(&prism, Integrator::Bdpt, 24, |plan| plan.lanes_differ = false);
+}
+
+#[test]
+fn the_first_of_two_lamps_in_place_of_a_choice_is_noticed() {
+    let prism = common::dispersive_prism();
+    assert_noticed(&prism, Integrator::Bdpt, 8, |plan| plan.chooses_lamps = false);
 }

@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+import uuid
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import date
@@ -69,28 +70,38 @@ CASES = (
 )
 
 
+def quad(corners, material, **more):
+    """A flat object."""
+    return {"shape": {"quad": {"vertices": corners}}, "material": material} | more
+
+
+def floor(low, high, material):
+    """A strip of the floor, from one x to another."""
+    return quad([[low, 0, -1], [low, 0, 1], [high, 0, 1], [high, 0, -1]], material)
+
+
 def small_scene(name):
     """A scene that no reference scene stands for: a point light, a chart in a plane, mirrors."""
-    quad = lambda corners, material, **more: {"shape": {"quad": {"vertices": corners}}, "material": material} | more
-    lamp = quad([[.5, 2, -.5], [.5, 2, .5], [-.5, 2, .5], [-.5, 2, -.5]], "black", emission={"spectrum": "d65", "level": {"flux_lm": 400}})
-    floor = lambda low, high, material: quad([[low, 0, -1], [low, 0, 1], [high, 0, 1], [high, 0, -1]], material)
-    walls = [quad([[x, 0, -1], [x, 2, -1], [x, 2, 1], [x, 0, 1]], "mirror") for x in (-.6, .6)]
+    daylight = {"spectrum": "d65", "level": {"flux_lm": 400}}
+    lamp = quad([[0.5, 2, -0.5], [0.5, 2, 0.5], [-0.5, 2, 0.5], [-0.5, 2, -0.5]], "black", emission=daylight)
+    back = quad([[1, 0, 1], [1, 2, 1], [-1, 2, 1], [-1, 0, 1]], "orange")
     objects = {
-        "point": [floor(-1, 1, "white"), quad([[1, 0, 1], [1, 2, 1], [-1, 2, 1], [-1, 0, 1]], "orange")],
+        "point": [floor(-1, 1, "white"), back],
         "chart": [lamp, floor(-1, 0, "orange"), floor(0, 1, "white")],
-        "mirrors": [lamp, *walls],
+        "mirrors": [lamp, *(quad([[x, 0, -1], [x, 2, -1], [x, 2, 1], [x, 0, 1]], "mirror") for x in (-0.6, 0.6))],
     }[name]
-    point = {"point": {"position": [.1, 1.8, -.5], "emission": {"spectrum": "d65", "level": {"flux_lm": 400}}}}
     return {
         "name": name, "length_unit": "m", "objects": objects,
         "materials": {
-            "white": {"lambertian": {"reflectance": "cornell-white"}}, "orange": {"lambertian": {"reflectance": "colorchecker-orange"}},
-            "black": {"lambertian": {"reflectance": 0}}, "mirror": {"mirror": {"reflectance": .9}},
+            "white": {"lambertian": {"reflectance": "cornell-white"}},
+            "orange": {"lambertian": {"reflectance": "colorchecker-orange"}},
+            "black": {"lambertian": {"reflectance": 0}},
+            "mirror": {"mirror": {"reflectance": 0.9}},
         },
-        "lights": [point] if name == "point" else [],
+        "lights": [{"point": {"position": [0.1, 1.8, -0.5], "emission": daylight}}] if name == "point" else [],
         "camera": {
-            "position": [0, 1, -.95], "look_at": [0, 1.5 if name == "mirrors" else .1, .3], "up": [0, 1, .01], "focal_length_mm": 20,
-            "sensor_mm": [25, 25], "resolution": [24, 24], "f_stop": 4, "shutter_s": .1, "iso": 800,
+            "position": [0, 1, -0.95], "look_at": [0, 1.5 if name == "mirrors" else 0.1, 0.3], "up": [0, 1, 0.01],
+            "focal_length_mm": 20, "sensor_mm": [25, 25], "resolution": [24, 24], "f_stop": 4, "shutter_s": 0.1, "iso": 800,
         },
     }
 
@@ -112,7 +123,7 @@ def setting_of(item):
 
 def render(program, scene, integrator, plan, side, spp, seed, folder, counted=False):
     """Report of a render, and its instructions where they are counted."""
-    stem = Path(folder) / f"{abs(hash((str(scene), integrator, plan, side, spp, seed, counted)))}"
+    stem = Path(folder) / uuid.uuid4().hex
     command = [program, "render", scene, "-o", f"{stem}.exr", "--report", f"{stem}.json", "--integrator", integrator]
     command += ["--plan", plan, "--spp", spp, "--seed", seed, "--resolution", f"{side}x{side}", "--threads", 1]
     valgrind = ["valgrind", "--tool=cachegrind", "--cache-sim=no", f"--cachegrind-out-file={os.devnull}"]
@@ -182,7 +193,7 @@ def lanes_of(lanes):
     text = [
         "", "## Wavelengths per path", "",
         "Their number is fixed when the program is built (`spectrum::LANES`). Counted in copies that were built with 4 and 16",
-        "(`validation/plan_lanes.csv`; relative variance of X, Y and Z of one sample over the squared luminance, from one render of",
+        "(`validation/plan_lanes.csv`, from before the sampler of wavelengths got its guide; relative variance of X, Y and Z of one sample over the squared luminance, from one render of",
         "48 x 48 pixels and 256 samples per pixel), efficiency relative to 8:", "",
         "| scene | integrator | wavelengths | instructions | variance | efficiency |", "|---|---|---|---|---|---|",
     ]

@@ -105,5 +105,7 @@ fn lines_drawn(lines: &[(f64, f64)]) -> Option<String> {
 /// has what fewer and more would do.
 pub(super) fn per_path(lanes_differ: bool) -> String {
     let fate = if lanes_differ { "until a smooth refraction with dispersion" } else { "all to its end" };
-    format!("{LANES} wavelengths a path, {fate}: as many as vector instructions of 256 bits hold")
+    format!(
+        "{LANES} wavelengths a path, {fate}: 16 cost more than they bring, 4 do as well within a few per cent"
+    )
 }
