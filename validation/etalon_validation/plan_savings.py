@@ -155,14 +155,25 @@ def ratio_with_interval(kept, left_out):
     return [math.exp(mean + k * T_975 * scatter) for k in (0, -1, 1)]
 
 
-def measure(program, case, folder):
+def measured(program, folder, pool):
+    """Instructions and relative variances by scene, integrator and plan; each is found once."""
+    wanted = [(case, plan) for case in CASES for plan in (setting_of(case.item), "lean")]
+    counts = {(case.scene, case.integrator, plan): instructions for case, plan in wanted}
+    noises = {(case.scene, case.integrator, plan): relative_variances for case, plan in wanted if case.changes_noise}
+    files = {case.scene: scene_file(case.scene, folder) for case in CASES}
+    for found in (counts, noises):
+        for (scene, integrator, plan), ask in found.items():
+            found[scene, integrator, plan] = pool.submit(ask, program, files[scene], integrator, plan, folder)
+    return [{key: future.result() for key, future in found.items()} for found in (counts, noises)]
+
+
+def row_of(case, counts, noises):
     """A row of the table."""
-    scene = scene_file(case.scene, folder)
-    settings = (setting_of(case.item), "lean")
-    kept, left_out = (instructions(program, scene, case.integrator, plan, folder) for plan in settings)
+    keys = [(case.scene, case.integrator, plan) for plan in (setting_of(case.item), "lean")]
+    kept, left_out = (counts[key] for key in keys)
     ratios = ["", "", ""]
     if case.changes_noise:
-        noise = [relative_variances(program, scene, case.integrator, plan, folder) for plan in settings]
+        noise = [noises[key] for key in keys]
         ratios = [f"{ratio * kept / left_out:.4f}" for ratio in ratio_with_interval(*noise)]
     return [case.item, case.scene, case.integrator, f"{kept:.1f}", f"{left_out:.1f}", *ratios]
 
@@ -204,14 +215,15 @@ def lanes_of(lanes):
     return text
 
 
-def run(program):
-    """Measures every case and writes table and page."""
+def run(program, workers=None):
+    """Measures every case, as many at a time as there are processors, and writes table and page."""
     if shutil.which("valgrind") is None:
         raise InputError("valgrind", "it is not installed", "install it, for example by apt-get install valgrind")
     if not Path(program).is_file():
         raise InputError(str(program), "there is no such program", "build it by cargo build --release")
-    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(os.cpu_count()) as pool:
-        rows = list(pool.map(lambda case: measure(program, case, folder), CASES))
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(workers or os.cpu_count()) as pool:
+        counts, noises = measured(program, folder, pool)
+    rows = [row_of(case, counts, noises) for case in CASES]
     version = subprocess.run([str(program), "--version"], capture_output=True, text=True, check=False).stdout.strip()
     said = f"Measured on {date.today().isoformat()} with {version}."
     header = ["item", "scene", "integrator", "instructions_kept", "instructions_left_out", "efficiency_ratio", "low", "high"]
