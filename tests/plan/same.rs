@@ -138,7 +138,6 @@ same_picture! {
     lines_by_path: scenes::lines, Path, 16;
     a_chart_by_bdpt: scenes::chart, Bdpt, 8;
     mirrors_by_bdpt: scenes::mirrors, Bdpt, 8;
-    a_point_in_glass_by_bdpt: scenes::point_in_glass, Bdpt, 64;
     glass_by_mlt: common::glass, Mlt, 32;
 }
 

@@ -37,14 +37,12 @@ pub(super) fn wavelengths(
         "wavelengths are drawn as sensor and lamps weigh them, not evenly",
         "",
     );
-    if !weighs {
-        spread_evenly(&mut continuum, &mut lines);
-    }
     if is_cut && !cuts {
         // The sampler's even share reaches whatever has a weight at all.
-        continuum
-            .iter_mut()
-            .for_each(|weight| *weight = weight.max(if weighs { f64::MIN_POSITIVE } else { 1.0 }));
+        continuum.iter_mut().for_each(|weight| *weight = weight.max(f64::MIN_POSITIVE));
+    }
+    if !weighs {
+        spread_evenly(&mut continuum, &mut lines);
     }
     WavelengthSampler::mixture(&continuum, &lines).unwrap_or_else(WavelengthSampler::even)
 }
