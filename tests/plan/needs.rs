@@ -11,8 +11,17 @@ use std::path::{Path, PathBuf};
 
 /// What a matte scene with one lamp of daylight before a pinhole has no use for, for
 /// bidirectional path tracing, which lists every strategy.
-const MATTE: [&str; 7] =
-    ["even-wavelengths", "lane-densities", "media", "lens", "lamp-choice", "direct-asks-eye", "meets-eye"];
+const MATTE: [&str; 8] = [
+    // The table of daylight ends at 780 nm.
+    "outer-wavelengths",
+    "even-wavelengths",
+    "lane-densities",
+    "media",
+    "lens",
+    "lamp-choice",
+    "direct-asks-eye",
+    "meets-eye",
+];
 
 /// Every small scene: what differs from [`MATTE`], `+` for what is left out besides, `-` for what
 /// is needed here.
