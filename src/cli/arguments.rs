@@ -4,7 +4,7 @@ use clap::Args;
 use etalon::camera::Sensor;
 use etalon::error::Error;
 use etalon::integrator::{Budget, Integrator};
-use etalon::scene::{Plan, Scene, View};
+use etalon::scene::{Leaving, Plan, Scene, View};
 use std::time::Duration;
 
 /// How much to render, and with what.
@@ -34,6 +34,10 @@ pub struct Effort {
     /// Cut paths off after this many bounces and say what that loses [default: no limit]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=MOST_BOUNCES))]
     pub max_bounces: Option<u32>,
+    /// What the render leaves out: lean (all that the scene does not need), full (nothing), or
+    /// keep=NAME,... (all but these); the expected picture is the same
+    #[arg(long = "plan", value_name = "WHAT", default_value_t = Leaving::all(), value_parser = leaving)]
+    pub leaving: Leaving,
 }
 
 /// Bounces beyond which a limit is none.
@@ -54,13 +58,13 @@ impl Effort {
 
     /// What a scene needs for this effort as a sensor sees it.
     pub fn plan(&self, scene: &Scene, sensor: &Sensor) -> Plan {
-        let plan = Plan::of(scene, sensor, self.integrator().strategies());
+        let plan = Plan::under(scene, sensor, self.integrator().strategies(), &self.leaving);
         Plan { most_bounces: self.max_bounces, ..plan }
     }
 
     /// The same effort as words of a command line.
     pub fn words(&self) -> Vec<String> {
-        let Self { spp, error, time, seed, threads, resolution, integrator, max_bounces } = self;
+        let Self { spp, error, time, seed, threads, resolution, integrator, max_bounces, leaving } = self;
         let given = [
             ("--spp", spp.map(|spp| spp.to_string())),
             ("--error", error.map(|error| error.to_string())),
@@ -70,6 +74,7 @@ impl Effort {
             ("--resolution", resolution.map(|[width, height]| format!("{width}x{height}"))),
             ("--integrator", integrator.map(|integrator| integrator.name().to_owned())),
             ("--max-bounces", max_bounces.map(|bounces| bounces.to_string())),
+            ("--plan", (*leaving != Leaving::all()).then(|| leaving.to_string())),
         ];
         let pair = |(option, value): (&str, Option<String>)| value.map(|value| [option.to_owned(), value]);
         given.into_iter().filter_map(pair).flatten().collect()
@@ -112,6 +117,11 @@ pub fn resolution(text: &str) -> Result<[u32; 2], String> {
     Ok([side(width).ok_or_else(explain)?, side(height).ok_or_else(explain)?])
 }
 
+/// What a plan leaves out.
+pub fn leaving(text: &str) -> Result<Leaving, String> {
+    text.parse().map_err(|error: Error| error.to_string())
+}
+
 pub fn integrator(name: &str) -> Result<Integrator, String> {
     let known = || Integrator::ALL.iter().map(|i| i.name());
     Integrator::named(name).ok_or_else(|| Error::unknown_name("integrator", name, known()).to_string())
@@ -144,6 +154,8 @@ mod tests {
             "--spp 1000 --error 0.01 --seed 0",
             "--error 0.003 --time 60 --seed 0",
             "--seed 0 --max-bounces 100",
+            "--seed 0 --plan full",
+            "--seed 0 --plan keep=media,lens",
             "--seed 18446744073709551615",
         ] {
             let words = std::iter::once("etalon").chain(line.split(' '));

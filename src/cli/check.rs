@@ -5,7 +5,7 @@ use etalon::integrator::Integrator;
 use etalon::light::EmitterFacts;
 use etalon::light::power::EmitterShape;
 use etalon::scene::conditions::{Condition, LOOKED_FOR, conditions, in_short};
-use etalon::scene::{Plan, Scene, View};
+use etalon::scene::{Decision, Leaving, Plan, PlanItem, Scene, View};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,12 +17,16 @@ pub struct Arguments {
     /// Print the extreme conditions of the scene, and what each does to the error to be expected
     #[arg(long)]
     explain: bool,
+    /// What the plan leaves out: lean (all that the scene does not need), full (nothing), or
+    /// keep=NAME,... (all but these)
+    #[arg(long = "plan", value_name = "WHAT", default_value_t = Leaving::all(), value_parser = super::arguments::leaving)]
+    leaving: Leaving,
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let scene = Scene::load(&arguments.scene)?;
     let found = conditions(&scene, scene.view.as_ref());
-    let mut text = describe(&scene)?;
+    let mut text = describe(&scene, &arguments.leaving)?;
     let more = if found.is_empty() || arguments.explain { "" } else { "; --explain tells more" };
     writeln!(text, "conditions {}{more}", in_short(&found))?;
     if arguments.explain {
@@ -43,7 +47,7 @@ fn explain(text: &mut String, found: &[Condition]) -> std::fmt::Result {
     writeln!(text, "not found  {}", absent.join(", "))
 }
 
-fn describe(scene: &Scene) -> Result<String, std::fmt::Error> {
+fn describe(scene: &Scene, leaving: &Leaving) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     let geometry = &scene.geometry;
     writeln!(text, "scene      {} ({})", scene.name, scene.hash)?;
@@ -72,10 +76,7 @@ fn describe(scene: &Scene) -> Result<String, std::fmt::Error> {
         )?;
     }
     if let Some(view) = &scene.view {
-        let plan = Plan::of(scene, &view.sensor, Integrator::default().strategies());
-        for reason in &plan.reasons {
-            writeln!(text, "plan       {reason}")?;
-        }
+        plans(&mut text, scene, view, leaving)?;
         for integrator in Integrator::ALL {
             let plan = Plan::of(scene, &view.sensor, integrator.strategies());
             for class in &plan.unreachable {
@@ -87,6 +88,29 @@ fn describe(scene: &Scene) -> Result<String, std::fmt::Error> {
         writeln!(text, "note       {note}")?;
     }
     Ok(text)
+}
+
+/// What is left out and what is kept: by all integrators, or by those that are named.
+fn plans(text: &mut String, scene: &Scene, view: &View, leaving: &Leaving) -> std::fmt::Result {
+    let plan_of = |integrator: Integrator| Plan::under(scene, &view.sensor, integrator.strategies(), leaving);
+    let plans = Integrator::ALL.map(|integrator| (integrator, plan_of(integrator)));
+    let mut told: Vec<&PlanItem> = Vec::new();
+    for item in plans.iter().flat_map(|(_, plan)| &plan.items) {
+        let is_same = |other: &PlanItem| other.name == item.name && other.reason == item.reason;
+        if told.iter().any(|other| is_same(other)) {
+            continue;
+        }
+        told.push(item);
+        let takers = || plans.iter().filter(|(_, plan)| plan.items.iter().any(is_same));
+        let names: Vec<&str> = takers().map(|(integrator, _)| integrator.name()).collect();
+        let who = if names.len() == plans.len() { String::new() } else { format!(" ({})", names.join(", ")) };
+        let what = if item.decision == Decision::LeftOut { "without" } else { "with" };
+        writeln!(text, "plan       {what} {}{who}: {item}", item.name)?;
+    }
+    for remark in &plans[0].1.remarks {
+        writeln!(text, "plan       {remark}")?;
+    }
+    Ok(())
 }
 
 fn lamp(text: &mut String, lamp: &EmitterFacts) -> std::fmt::Result {

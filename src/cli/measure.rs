@@ -3,8 +3,8 @@
 use super::faults;
 use clap::Args;
 use etalon::error::Error;
-use etalon::integrator::{Integrator, Reading, instrument_plan, read_meters_under};
-use etalon::scene::{Meter, MeterKind, Plan, Scene, unreachable_by_instrument};
+use etalon::integrator::{Integrator, Reading, instrument_plan_under, read_meters_under};
+use etalon::scene::{Leaving, Meter, MeterKind, Plan, Scene, unreachable_by_instrument};
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -31,6 +31,10 @@ pub struct Arguments {
     /// Cut paths off after this many bounces and say what that loses [default: no limit]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1 << 30))]
     max_bounces: Option<u32>,
+    /// What the readings leave out: lean (all that the scene does not need), full (nothing), or
+    /// keep=NAME,... (all but these); the expected readings are the same
+    #[arg(long = "plan", value_name = "WHAT", default_value_t = Leaving::all(), value_parser = super::arguments::leaving)]
+    leaving: Leaving,
     /// Exit with code 3 where a reading is not what it should be: without reading, where meters
     /// miss light of some paths; else after printing, where samples were not finite or radiance
     /// has no finite value
@@ -81,7 +85,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if arguments.strict && misses {
         return Ok(ExitCode::from(3));
     }
-    let plan = instrument_plan(&scene, arguments.integrator);
+    let plan = instrument_plan_under(&scene, arguments.integrator, &arguments.leaving);
     let plan = Plan { most_bounces: arguments.max_bounces, ..plan };
     let readings = read_meters_under(&scene, &plan, arguments.samples, arguments.seed);
     if arguments.json {
@@ -149,6 +153,7 @@ fn as_json(scene: &Scene, arguments: &Arguments, readings: &[Reading]) -> serde_
         "seed": arguments.seed,
         "integrator": arguments.integrator.name(),
         "max_bounces": arguments.max_bounces,
+        "plan_setting": arguments.leaving.to_string(),
         "version": env!("CARGO_PKG_VERSION"),
         "meters": meters,
     })

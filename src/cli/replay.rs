@@ -4,13 +4,13 @@ use clap::Args;
 use etalon::camera::Crop;
 use etalon::error::{Error, Result};
 use etalon::image::read_facts;
-use etalon::integrator::{Bounded, Budget, Integrator, block_size, instrument_plan, size_of_block};
+use etalon::integrator::{Bounded, Budget, Integrator, block_size, instrument_plan_under, size_of_block};
 use etalon::metropolis::World;
 use etalon::path::Eye;
 use etalon::replay::{
     MeterSample, PixelSample, SampleName, explain, explain_path, replay_meter, replay_path, replay_pixel,
 };
-use etalon::scene::{Plan, Scene, View};
+use etalon::scene::{Leaving, Plan, Scene, View};
 use etalon::statistics::BATCHES;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -55,6 +55,9 @@ pub struct Arguments {
     /// Size of the picture [default: the render's, or the scene's]
     #[arg(long, value_name = "WxH", value_parser = super::arguments::resolution)]
     resolution: Option<[u32; 2]>,
+    /// What the plan leaves out: lean, full, or keep=NAME,... [default: as the render's, or lean]
+    #[arg(long = "plan", value_name = "WHAT", value_parser = super::arguments::leaving)]
+    leaving: Option<Leaving>,
 }
 
 /// What is known of the render or of the readings.
@@ -67,6 +70,7 @@ struct Known {
     samples: u64,
     samples_per_pixel: u64,
     max_bounces: Option<u32>,
+    plan_setting: Option<String>,
     spectral_layers: usize,
     stopping: KnownStopping,
     crop: Option<Crop>,
@@ -114,6 +118,11 @@ impl Known {
         }
     }
 
+    /// What the plan left out; all where the file does not say, or not in words of this program.
+    fn leaving(&self) -> Leaving {
+        self.plan_setting.as_deref().and_then(|setting| setting.parse().ok()).unwrap_or_default()
+    }
+
     /// What in the arguments is not as it was, so that the sample is none of the render's or the
     /// readings'.
     fn departures(&self, arguments: &Arguments, block_size: Option<u32>) -> Vec<&'static str> {
@@ -127,6 +136,7 @@ impl Known {
                 arguments.integrator.is_some_and(|i| Some(i.name()) != self.integrator.as_deref()),
             ),
             ("--resolution", arguments.resolution.is_some() && arguments.resolution != resolution),
+            ("--plan", arguments.leaving.is_some_and(|leaving| leaving != self.leaving())),
         ];
         differ.into_iter().filter(|(_, differs)| *differs).map(|(option, _)| option).collect()
     }
@@ -146,7 +156,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
                 .map(|replayed| explain(&scene, &replayed))?
         }
         SampleName::Meter(sample) => {
-            let plan = instrument_plan(&scene, integrator(arguments, &known)?);
+            let plan =
+                instrument_plan_under(&scene, integrator(arguments, &known)?, &leaving(arguments, &known));
             let plan = Plan { most_bounces: known.max_bounces, ..plan };
             replay_meter(&scene, &plan, sample).map(|replayed| explain(&scene, &replayed))?
         }
@@ -325,6 +336,10 @@ fn integrator(arguments: &Arguments, known: &Known) -> Result<Integrator> {
         .ok_or_else(|| Error::unknown_name("integrator", name, Integrator::ALL.iter().map(|i| i.name())))
 }
 
+fn leaving(arguments: &Arguments, known: &Known) -> Leaving {
+    arguments.leaving.unwrap_or_else(|| known.leaving())
+}
+
 /// The view at the size of the render, with the channels of its film.
 fn view(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<View> {
     let mut view = scene.view().map_err(|e| e.in_file(&arguments.scene))?.clone();
@@ -347,7 +362,8 @@ fn view(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<View> {
 }
 
 fn plan(arguments: &Arguments, known: &Known, scene: &Scene, view: &View) -> Result<Plan> {
-    let plan = Plan::of(scene, &view.sensor, integrator(arguments, known)?.strategies());
+    let strategies = integrator(arguments, known)?.strategies();
+    let plan = Plan::under(scene, &view.sensor, strategies, &leaving(arguments, known));
     Ok(Plan { most_bounces: known.max_bounces, ..plan })
 }
 

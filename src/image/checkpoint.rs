@@ -59,6 +59,8 @@ pub struct Identity {
     pub crop: Option<Crop>,
     /// Bounces after which paths are cut off, where somebody asked for it.
     pub max_bounces: Option<u32>,
+    /// What the plan left out, in the words of [`crate::scene::Leaving`].
+    pub plan: String,
     /// Channels of the film.
     pub channels: Vec<String>,
     /// Seed of the random numbers.
@@ -82,6 +84,7 @@ impl Identity {
             resolution: view.camera.resolution(),
             crop: view.camera.crop(),
             max_bounces: plan.most_bounces,
+            plan: plan.leaving.to_string(),
             channels: view.sensor.channels.iter().map(|channel| channel.name.clone()).collect(),
             seed: budget.seed,
             samples_per_pixel: Some(budget.samples_per_pixel).filter(|most| *most < u64::MAX),
@@ -102,6 +105,7 @@ impl Identity {
                 ("resolution", format!("{width}x{height}")),
                 ("corner of --crop", or_none(run.crop.map(|Crop { corner: [x, y], .. }| format!("{x},{y}")))),
                 ("bounces at most", or_none(run.max_bounces.map(|most| most.to_string()))),
+                ("plan", run.plan.clone()),
                 ("channels", run.channels.join(" ")),
                 ("seed", run.seed.to_string()),
                 ("samples per pixel", or_none(run.samples_per_pixel.map(|most| most.to_string()))),

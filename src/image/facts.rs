@@ -5,7 +5,7 @@ use crate::integrator::{Budget, Cost, End, Integrator, Times, Truncation, USUAL_
 use crate::metropolis::Outcome;
 use crate::replay::SampleName;
 use crate::scene::conditions::Condition;
-use crate::scene::{Plan, Scene, View};
+use crate::scene::{Plan, PlanItem, Scene, View};
 use serde::Serialize;
 
 /// The facts of a render.
@@ -43,6 +43,10 @@ pub struct Facts {
     pub camera: CameraRecord,
     /// What was planned, in plain words.
     pub plan: Vec<String>,
+    /// The same as data: each decision with its reason and what it saves.
+    pub plan_items: Vec<PlanItem>,
+    /// What the plan was to leave out: `lean`, `full` or `keep=` and names.
+    pub plan_setting: String,
     /// Paths that carry light and that the integrator cannot make.
     pub missing: Vec<String>,
     /// Remarks on the scene's data.
@@ -161,6 +165,8 @@ impl Facts {
             units: "X, Y, Z in cd/m2 (Y is luminance); stderr.* their standard errors; sensor.* as camera.channels says, before exposure and vignetting; S0.* in W sr^-1 m^-2 nm^-1; vignetting relative to the middle",
             camera: view.record(),
             plan: plan.reasons.clone(),
+            plan_items: plan.items.clone(),
+            plan_setting: plan.leaving.to_string(),
             missing: plan.unreachable.iter().map(|c| format!("{}: {}", c.word, c.meaning)).collect(),
             notes: scene.notes.clone(),
             conditions: Vec::new(),

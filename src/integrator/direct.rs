@@ -19,14 +19,15 @@ pub struct DirectLight<'a> {
 const PROBES: u32 = 1 << 13;
 
 impl<'a> DirectLight<'a> {
-    /// Of a view.
-    pub fn new(scene: &'a Scene, view: &'a View, most_bounces: Option<u32>) -> Self {
-        Self { scene, view, plan: Self::plan(scene, &view.sensor, most_bounces) }
+    /// Of a view, beside what a plan renders.
+    pub fn new(scene: &'a Scene, view: &'a View, plan: &Plan) -> Self {
+        Self { scene, view, plan: Self::plan(scene, &view.sensor, plan) }
     }
 
-    /// The plan of direct light.
-    pub fn plan(scene: &Scene, sensor: &Sensor, most_bounces: Option<u32>) -> Plan {
-        Plan { direct_only: true, most_bounces, ..Plan::of(scene, sensor, Strategies::DIRECT) }
+    /// The plan of direct light beside another plan.
+    pub fn plan(scene: &Scene, sensor: &Sensor, beside: &Plan) -> Plan {
+        let plan = Plan::under(scene, sensor, Strategies::DIRECT, &beside.leaving);
+        Plan { direct_only: true, most_bounces: beside.most_bounces, ..plan }
     }
 
     /// Nothing gathered yet.

@@ -8,7 +8,7 @@ use crate::geometry::Ray;
 use crate::path::{BothFates, Contribution, Eye, Subpaths};
 use crate::replay::{Faults, MeterSample, SampleName};
 use crate::sampler::{BlockSampler, Sampler, Stream};
-use crate::scene::{Meter, MeterKind, Plan, Scene};
+use crate::scene::{Leaving, Meter, MeterKind, Plan, Scene};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::statistics::{BATCHES, BatchMean};
 use rayon::prelude::*;
@@ -45,7 +45,12 @@ pub fn read_meters(scene: &Scene, integrator: Integrator, samples: u64, seed: u6
 
 /// The plan by which an algorithm reads a scene's meters.
 pub fn instrument_plan(scene: &Scene, integrator: Integrator) -> Plan {
-    let mut plan = Plan::of(scene, &meter_sensor(), integrator.strategies());
+    instrument_plan_under(scene, integrator, &Leaving::all())
+}
+
+/// The same with a say in what it leaves out.
+pub fn instrument_plan_under(scene: &Scene, integrator: Integrator, leaving: &Leaving) -> Plan {
+    let mut plan = Plan::under(scene, &meter_sensor(), integrator.strategies(), leaving);
     plan.strategies = plan.strategies.for_instruments();
     plan
 }

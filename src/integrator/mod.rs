@@ -23,7 +23,8 @@ pub use depth::{Bounded, DIVERGENT_BOUNCES, Divergence, Truncation};
 pub(crate) use direct::DirectLight;
 pub(crate) use in_order::InOrder;
 pub use measure::{
-    MeterTaken, Reading, eye_of, instrument_plan, meter_sensor, read_meters, read_meters_under,
+    MeterTaken, Reading, eye_of, instrument_plan, instrument_plan_under, meter_sensor, read_meters,
+    read_meters_under,
 };
 pub use pyramid::{Pyramid, StrategyFilms, render_pyramid};
 pub(crate) use run::{Clock, Gathered, Source};

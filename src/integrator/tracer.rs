@@ -142,7 +142,7 @@ impl<'a> Tracer<'a> {
     ) {
         let walker = &joiner.walker;
         let strategies = &self.plan.strategies;
-        let aperture = self.eye.has_aperture();
+        let aperture = self.eye.has_aperture() || self.plan.draws_any_lens;
         let u_lens = if aperture { draw.sampler.pair(Stream::Lens, 0) } else { [0.0; 2] };
         let drawn = self.eye.ray(draw.position, u_lens);
         let (start, mut heading) = walker.from_eye(&self.eye, &drawn, self.media);
@@ -189,9 +189,8 @@ fn walk_from_light<'a, D: Density>(
     let walker = &joiner.walker;
     let sampler = walker.sampler;
     let lights = &walker.scene.lights;
-    let Some((index, probability)) = lights.choose_emitting(sampler.fine(Stream::EmissionChoice, 0)) else {
-        return;
-    };
+    let choice = if walker.plan.chooses_lamps { sampler.fine(Stream::EmissionChoice, 0) } else { 0.0 };
+    let Some((index, probability)) = lights.choose_emitting(choice) else { return };
     let light = lights.get(index);
     let [u_point, u_direction] =
         [Stream::EmissionPoint, Stream::EmissionDirection].map(|stream| sampler.pair(stream, 0));

@@ -54,7 +54,8 @@ impl RoughDielectric {
 
     fn reflection(&self, seen: &Interface, wo: Vec3A, wi: Vec3A) -> BsdfValue {
         let Some(reflection) = self.facets.reflection(wo, wi) else { return BsdfValue::ZERO };
-        let shares = Spectrum::from_fn(|lane| seen.shares(lane, reflection.cos_facet).reflected as f32);
+        let share = |lane| seen.shares(lane, reflection.cos_facet).reflected as f32;
+        let shares = if seen.is_flat() { Spectrum::splat(share(0)) } else { Spectrum::from_fn(share) };
         BsdfValue { value: shares * reflection.value, pdf: shares * reflection.pdf }
     }
 
@@ -62,7 +63,8 @@ impl RoughDielectric {
         let shadowing = self.facets.through_over_cos(wo, wi);
         let visible = self.facets.visible_over_density(wo);
         let mut both = BsdfValue::ZERO;
-        for lane in 0..LANES {
+        let is_flat = seen.is_flat();
+        for lane in 0..if is_flat { 1 } else { LANES } {
             let Some(crossing) = self.crossing(seen, lane, wo, wi) else { continue };
             let eta_squared = 1.0 + seen.eta_squared_minus_one(lane);
             let value = crossing * shadowing;
@@ -71,6 +73,10 @@ impl RoughDielectric {
                 Quantity::Importance => value * eta_squared,
             };
             both.pdf[lane] = crossing * visible * eta_squared;
+        }
+        if is_flat {
+            // Without dispersion all wavelengths are joined by one facet.
+            (both.value, both.pdf) = (Spectrum::splat(both.value[0]), Spectrum::splat(both.pdf[0]));
         }
         both
     }

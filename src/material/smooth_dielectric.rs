@@ -21,8 +21,10 @@ impl SmoothDielectric {
     pub(super) fn sample(&self, wo: Vec3A, u_lobe: f32, quantity: Quantity) -> Option<BsdfSample> {
         let upright = Upright::of(wo)?;
         let seen = self.interface.seen_from(wo.z > 0.0);
-        let shares: [Shares; LANES] = std::array::from_fn(|lane| seen.shares(lane, wo.z.abs()));
-        let hero = shares[0];
+        let hero = seen.shares(0, wo.z.abs());
+        let is_flat = seen.is_flat();
+        let shares: [Shares; LANES] =
+            if is_flat { [hero; LANES] } else { std::array::from_fn(|lane| seen.shares(lane, wo.z.abs())) };
         let reflects = u_lobe < hero.reflected as f32 || hero.crossing == 0.0;
         let sample = |wi, value, pdf| BsdfSample {
             wi,
@@ -45,7 +47,7 @@ impl SmoothDielectric {
         };
         let wi = upright.turn(refracted(upright.turn(wo), &seen)?);
         let together = sample(wi, value, transmitted);
-        Some(if seen.is_flat() { together } else { together.for_hero_only() })
+        Some(if is_flat { together } else { together.for_hero_only() })
     }
 
     /// Probability of the delta on the side of `wi`.

@@ -157,7 +157,7 @@ pub(crate) fn go_on(
         }
         None => learn(&mut world, budget),
     };
-    let direct = DirectLight::new(scene, view, bounded.plan.most_bounces);
+    let direct = DirectLight::new(scene, view, &bounded.plan);
     let is_seen = direct.is_seen(direct_seed(budget.seed));
     let source =
         Mutated { world: &world, learned: &learned, direct, per_direct: PER_DIRECT[usize::from(!is_seen)] };

@@ -358,7 +358,8 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
     /// the radiance from there over the density per solid angle.
     fn source_for(&self, point: &SurfacePoint, name: u32) -> Option<(Source<'a>, Ray, Spectrum)> {
         let walker = &self.walker;
-        let choice = walker.sampler.fine(Stream::LightChoice, name);
+        let choice =
+            if walker.plan.chooses_lamps { walker.sampler.fine(Stream::LightChoice, name) } else { 0.0 };
         let lights = &walker.scene.lights;
         let (index, probability) = lights.choose_towards(point.position, choice)?;
         let light = lights.get(index);
@@ -387,7 +388,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
     }
 
     fn eye_point(&self, name: usize) -> Option<Vertex> {
-        let aperture = self.eye.has_aperture();
+        let aperture = self.eye.has_aperture() || self.walker.plan.draws_any_lens;
         let u = if aperture { self.walker.sampler.pair(Stream::Splat, name as u32) } else { [0.0; 2] };
         Some(self.eye_vertex(self.eye.point(u)?))
     }

@@ -319,5 +319,8 @@ fn end(kind: Kind, point: SurfacePoint, forward: AreaPdf, is_delta: bool, media:
 
 /// Beer-Lambert over a distance in scene units.
 pub fn transmittance(absorption: &Dense, distance: f32, wavelengths: &Wavelengths) -> Spectrum {
-    absorption.at(wavelengths).map(|a| (-a * distance).exp())
+    match absorption {
+        Dense::Flat(a) => Spectrum::splat((-a * distance).exp()),
+        Dense::Grid(_) => absorption.at(wavelengths).map(|a| (-a * distance).exp()),
+    }
 }

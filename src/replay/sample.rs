@@ -40,7 +40,7 @@ pub fn replay_pixel(scene: &Scene, view: &View, plan: &Plan, name: &PixelSample)
     check_index(index, block_size)?;
     let direct_plan;
     let plan = if direct_light {
-        direct_plan = DirectLight::plan(scene, &view.sensor, plan.most_bounces);
+        direct_plan = DirectLight::plan(scene, &view.sensor, plan);
         &direct_plan
     } else {
         plan

@@ -10,7 +10,7 @@ mod file_spectrum;
 mod files;
 mod locate;
 mod objects;
-mod plan;
+pub mod plan;
 mod reach;
 mod read;
 mod siting;
@@ -20,7 +20,10 @@ mod view;
 pub use chain::{Chain, check_white, equal_energy, white_named};
 pub use closure::{Closure, closure};
 pub use files::Files;
-pub use plan::{NOTHING_SHINES, Plan};
+pub use plan::{
+    Decision, ITEMS as PLAN_ITEMS, Item as PlanItem, Leaving, NOTHING_SHINES, Plan, Saving,
+    savings as plan_savings,
+};
 pub use reach::{Unreachable, unreachable, unreachable_by_instrument};
 pub use view::CameraFacts;
 

@@ -109,7 +109,7 @@ fn unreachable_by(
 }
 
 /// Whether the camera sees a light itself; taken for granted of lights with an area.
-fn is_in_view(scene: &Scene, light: &Light) -> bool {
+pub(super) fn is_in_view(scene: &Scene, light: &Light) -> bool {
     let (Some(view), Light::Point(lamp)) = (&scene.view, light) else { return true };
     let eye = view.camera.point_at(view.camera.placement().position.as_vec3a());
     let Some(ray) = eye.ray_to_position(lamp.position) else { return false };

@@ -76,7 +76,14 @@ impl Wavelengths {
 pub struct WavelengthSampler {
     /// In order of wavelength; nothing in it has probability zero.
     pieces: Vec<Piece>,
+    /// For each of [`GUIDES`] equal parts of [0, 1) the piece that its first number falls in: from
+    /// there the piece of any number is a few steps away, and no search over all is needed.
+    guides: Vec<u16>,
 }
+
+/// Parts of [0, 1) with a guide: a power of two, so that parts are told without rounding, and
+/// about one for every piece.
+const GUIDES: usize = 512;
 
 /// A part of the distribution.
 #[derive(Clone, Copy, Debug)]
@@ -141,7 +148,10 @@ impl WavelengthSampler {
             start += probability;
             piece
         };
-        Some(Self { pieces: weights.into_iter().map(piece).collect() })
+        let pieces: Vec<Piece> = weights.into_iter().map(piece).collect();
+        let last_before = |u: f64| pieces.partition_point(|piece| piece.start <= u) - 1;
+        let guides = (0..GUIDES).map(|part| last_before(part as f64 / GUIDES as f64) as u16).collect();
+        Some(Self { pieces, guides })
     }
 
     /// The same density everywhere.
@@ -193,8 +203,9 @@ impl WavelengthSampler {
 
     /// The piece that a number in [0, 1) falls in, and where in it, 0 to 1.
     fn invert(&self, u: f64) -> (&Piece, f64) {
-        // The first piece starts at zero.
-        let piece = &self.pieces[self.pieces.partition_point(|piece| piece.start <= u) - 1];
+        let from = usize::from(self.guides[(u * GUIDES as f64) as usize]);
+        let beyond = self.pieces[from + 1..].iter().take_while(|piece| piece.start <= u).count();
+        let piece = &self.pieces[from + beyond];
         (piece, ((u - piece.start) / piece.probability).clamp(0.0, 1.0))
     }
 }

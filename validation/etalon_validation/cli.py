@@ -67,6 +67,10 @@ def parser():
 
     add_converge(commands)
 
+    savings = commands.add_parser("plan-savings", help="measure what plans leave out, and write validation/plan.md")
+    savings.add_argument("--program", type=Path, default=Path("target/release/etalon"), help="the program etalon")
+    savings.set_defaults(run=run_plan_savings)
+
     plot = commands.add_parser("plot-spectrum", help="draw the spectral table described on standard input")
     plot.add_argument("file", type=Path, help="SVG or PNG to write")
     plot.set_defaults(run=run_plot)
@@ -261,6 +265,13 @@ def run_peers(chosen):
     verdict = compare_with_mitsuba(chosen.case, chosen.spectra, chosen.render, chosen.output, chosen.spp, chosen.threads)
     print(verdict)
     return 0 if verdict.startswith("pass") else 1
+
+
+def run_plan_savings(chosen):
+    """Writes the table and the page of what plans save."""
+    from .plan_savings import run
+
+    return run(chosen.program)
 
 
 def run_plot(chosen):

@@ -9,7 +9,7 @@ use etalon::error::{Error, Result};
 use etalon::image::Layers;
 use etalon::integrator::Stopwatch;
 use etalon::python::{Environment, PEERS, VALIDATION, project_root};
-use etalon::scene::Scene;
+use etalon::scene::{Leaving, Scene};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -68,9 +68,14 @@ pub fn run(case: &Case, arguments: &Arguments) -> anyhow::Result<ExitCode> {
 fn predict(case: &Case, cases: [&str; 2], arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let effort = &arguments.effort;
     let is_open = effort.time.is_some() || effort.error.is_some();
-    if effort.resolution.is_some() || is_open || effort.integrator.is_some() || effort.seed != 0 {
+    if effort.resolution.is_some()
+        || is_open
+        || effort.integrator.is_some()
+        || effort.seed != 0
+        || effort.leaving != Leaving::all()
+    {
         return Err(Error::new("a prediction takes --spp and --threads alone")
-            .hint("leave --resolution, --error, --time, --integrator and --seed out")
+            .hint("leave --resolution, --error, --time, --integrator, --plan and --seed out")
             .into());
     }
     let photos = photographs::of_two(cases, &arguments.photo)?;
