@@ -44,6 +44,7 @@ pub mod material;
 pub mod measure;
 pub mod metropolis;
 pub mod path;
+pub mod pilot;
 pub mod python;
 pub mod replay;
 pub mod sampler;
