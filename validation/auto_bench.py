@@ -65,7 +65,7 @@ def measured(program, scene, options, folder):
     truth = reference.xyz[..., 1]
     below = truth**2 + floor_of(truth)
     noise = np.mean(reference.stderr[..., 1] ** 2 / below)
-    _, facts = render(program, scene, [*common, "--integrator", "path", "--spp", "1"], folder)
+    _, facts = render(program, scene, [*common, "--integrator", "path", "--spp", "2"], folder)
     load_s = facts["cpu_seconds"] - facts["seconds"]
     rows = {}
     for name, algorithm in CANDIDATES.items():

@@ -1,24 +1,26 @@
 //! A short run of chains, to see whether they would be better than independent samples.
 //!
-//! The run is a real one of few mutations on a small picture, with searches and blocks of its own:
-//! the scatter between its blocks is what is measured, held against the same squares as that of
-//! samples. What it learns before its first block is done again by the render and counted there.
+//! The run is a real one of few mutations, with searches and blocks of its own, on a picture so small
+//! that each pixel has many of them, as in the render: where pixels were hardly visited, the scatter
+//! between blocks tells of single visits and of nothing else. That scatter is held against the same
+//! squares as that of samples. What the run learns before its first block the render learns again, and
+//! pays for.
 
 use super::samples::Findings;
-use crate::camera::Film;
-use crate::integrator::{Budget, Integrator, Silent};
+use crate::integrator::Budget;
+use crate::metropolis::{AtPixel, short_run};
 use crate::scene::{Plan, Scene, View};
 
-/// Mutations per pixel: each is a block of its own.
-const BLOCKS: u64 = 8;
-/// Channel of the luminance.
-const LUMINANCE: usize = 1;
+/// Pixels of the picture, about.
+const PIXELS: u64 = 1 << 12;
 
 /// What chains were found to be worth.
 #[derive(Clone, Copy, Debug)]
 pub struct Chained {
     /// Relative mean squared error of one mutation per pixel.
     pub relmse: f64,
+    /// Fresh paths that a run needs however long it is.
+    pub needed_paths: f64,
     /// Mutations that were taken.
     pub mutations: u64,
 }
@@ -31,16 +33,25 @@ pub fn measure(
     findings: &Findings,
     (seed, mutations): (u64, u64),
 ) -> Option<Chained> {
-    let view = smaller(view, mutations / BLOCKS);
-    let budget = Budget { samples_per_pixel: BLOCKS, time: None, error: None, seed };
-    let rendering = Integrator::Mlt.render(scene, &view, plan, &budget, &Silent);
-    let found_nothing = rendering.metropolis.is_none_or(|outcome| outcome.report.is_none());
-    if found_nothing {
-        return None;
-    }
-    let film = &rendering.film;
-    let relmse = BLOCKS as f64 * relative(film, findings);
-    Some(Chained { relmse, mutations: BLOCKS * film.pixels() as u64 })
+    let view = smaller(view, PIXELS);
+    let samples_per_pixel = (mutations / PIXELS).max(1);
+    let budget = Budget { samples_per_pixel, time: None, error: None, seed };
+    let [width, height] = view.camera.resolution().map(|side| side as usize);
+    let short = short_run(scene, &view, plan, &budget)?;
+    let of_pixel = |(index, pixel): (usize, &AtPixel)| {
+        let place = [(index % width, width), (index / width, height)]
+            .map(|(index, side)| (index as f64 + 0.5) / side as f64);
+        let level = findings.levels[findings.grid.at(place)] + pixel.direct;
+        let variance = pixel.chains_error.powi(2) + pixel.direct_error.powi(2);
+        let square = level * level + findings.floor;
+        if square > 0.0 { variance / square } else { 0.0 }
+    };
+    let mean = short.pixels.iter().enumerate().map(of_pixel).sum::<f64>() / short.pixels.len() as f64;
+    Some(Chained {
+        relmse: samples_per_pixel as f64 * mean,
+        mutations: samples_per_pixel * short.pixels.len() as u64,
+        needed_paths: short.needed_paths,
+    })
 }
 
 /// The view in about so many pixels, or in as many as it has.
@@ -53,17 +64,4 @@ fn smaller(view: &View, pixels: u64) -> View {
         view.camera = view.camera.with_resolution(resolution);
     }
     view
-}
-
-/// Mean over pixels of variance over what samples found the squared luminance to be.
-fn relative(film: &Film, findings: &Findings) -> f64 {
-    let [width, height] = film.resolution().map(|side| side as usize);
-    let of_pixel = |pixel: usize| {
-        let place = [(pixel % width, width), (pixel / width, height)]
-            .map(|(index, side)| (index as f64 + 0.5) / side as f64);
-        let square = findings.squares[findings.grid.at(place)];
-        let variance = film.standard_error(pixel, LUMINANCE).powi(2);
-        if square > 0.0 { variance / square } else { 0.0 }
-    };
-    (0..film.pixels()).map(of_pixel).sum::<f64>() / film.pixels() as f64
 }

@@ -3,10 +3,10 @@
 //! A pilot takes a small share of the work that the render is to take, with random numbers of its
 //! own, and nothing of it enters the picture: given what is picked, the render is that of the
 //! pick, bit for bit, and as unbiased. Judged are path tracing, bidirectional path tracing with
-//! its groups of strategies on and off, light tracing ([`samples`]) and, where they may win,
-//! chains of paths ([`chains`]), by the efficiency 1 / (relative mean squared error x work). Work is
-//! counted, not timed ([`work`]): the same seed picks the same on any machine and any number of
-//! threads, and so gives the same bits.
+//! its groups of strategies on and off (`samples`) and, where they may win, chains of paths
+//! (`chains`), by the efficiency 1 / (relative mean squared error x work). Work is counted, not
+//! timed (`work`): with a number of samples the same seed picks the same on any number of threads,
+//! and so gives the same bits.
 
 mod chains;
 mod report;
@@ -148,14 +148,14 @@ fn after_pilot(
     }
     let pixels = pixels.min(MOST_PIXELS);
     let findings = pilot(pixels);
-    let mut rows = rows(&findings, plans);
+    let mut rows = rows(&findings, plans, &lists);
     let best =
         rows.iter().filter(|row| row.excluded.is_none()).map(|row| row.cost()).fold(f64::INFINITY, f64::min);
     if !best.is_finite() || best <= 0.0 {
         return Err("the pilot found no light");
     }
     let left_s = allowed_s - pixels as f64 * pixel_s;
-    let chains = try_chains(scene, view, (&bounded.plan, &findings), best, (mix(seed), left_s));
+    let chains = try_chains(scene, view, (&bounded.plan, &findings), best, (mix(seed), left_s, render_s));
     let mutations = chains.mutations;
     rows.push(chains);
     let picked = pick(&rows);
@@ -172,14 +172,19 @@ fn pick(rows: &[Row]) -> usize {
     rows.iter().position(is_near).expect("the best is near itself")
 }
 
-fn rows(findings: &Findings, plans: &[Plan; LISTS.len()]) -> Vec<Row> {
+fn rows(findings: &Findings, plans: &[Plan; LISTS.len()], lists: &[(Strategies, bool)]) -> Vec<Row> {
     let all = &plans[LISTS.len() - 1];
-    let of_list = |((groups, plan), expected): ((Groups, &Plan), &Expected)| {
+    let of_list = |(((groups, plan), expected), (_, is_sampled)): (
+        ((Groups, &Plan), &Expected),
+        &(Strategies, bool),
+    )| {
         let excluded = if !misses_nothing(plan, all) {
             let words = plan.unreachable.iter().map(|class| class.word).collect::<Vec<_>>().join(", ");
             Some(format!("cannot find light on the way {words}"))
         } else if expected.missing > NOTHING_MISSING {
             Some(format!("cannot find {:.2} % of the light", 100.0 * expected.missing))
+        } else if !is_sampled {
+            Some("no more than a bound is known: how roulette ends its long walks is not in it".to_owned())
         } else {
             None
         };
@@ -193,7 +198,7 @@ fn rows(findings: &Findings, plans: &[Plan; LISTS.len()]) -> Vec<Row> {
             mutations: 0,
         }
     };
-    LISTS.into_iter().zip(plans).zip(&findings.lists).map(of_list).collect()
+    LISTS.into_iter().zip(plans).zip(&findings.lists).zip(lists).map(of_list).collect()
 }
 
 /// Chains, measured where they may be better than `best`.
@@ -202,7 +207,7 @@ fn try_chains(
     view: &View,
     (plan, findings): (&Plan, &Findings),
     best: f64,
-    (seed, left_s): (u64, f64),
+    (seed, left_s, render_s): (u64, f64, f64),
 ) -> Row {
     let seconds_per_sample = findings.counts.seconds_per_mutation();
     let row = |relmse: Option<f64>, mutations: u64, excluded: Option<&str>| Row {
@@ -223,7 +228,15 @@ fn try_chains(
         return row(None, 0, Some("not tried: too little is to be rendered"));
     }
     match chains::measure(scene, view, plan, findings, (seed, mutations)) {
-        Some(chained) => row(Some(MEMORY * chained.relmse), chained.mutations, None),
+        Some(chained) => {
+            // A fresh path costs about what a mutation does.
+            let before_s = chained.needed_paths * seconds_per_sample;
+            if before_s >= render_s {
+                return row(None, chained.mutations, Some("chains would find their starts too late"));
+            }
+            let relmse = MEMORY * chained.relmse * render_s / (render_s - before_s);
+            row(Some(relmse), chained.mutations, None)
+        }
         None => row(None, 0, Some("chains found nothing to start from")),
     }
 }

@@ -14,13 +14,15 @@
 //! both terms.
 //!
 //! The measure is relative: variance of luminance over squared luminance, plus (1 % of the mean)^2,
-//! of cells of the picture that hold some hundred samples each, all lists by the same cells.
+//! of cells of the picture that hold some hundred samples each, all lists by the same cells. Lamps
+//! in view, and what they shine on straight, differ from pixel to pixel: that light is taken from the
+//! pixel's own samples, which know it well.
 
 use super::work::Counts;
 use crate::camera::Sensor;
 use crate::integrator::{InOrder, Tracer};
 use crate::path::{Eye, Shares, Strategies, Subpaths};
-use crate::sampler::{BlockSampler, owen_sobol_2d};
+use crate::sampler::{BlockSampler, Sampler, owen_sobol_2d};
 use crate::scene::{Plan, Scene, View};
 use crate::spectrum::{Spectrum, Wavelengths};
 use rayon::prelude::*;
@@ -42,13 +44,12 @@ const LUMINANCE: usize = 1;
 /// Share of the mean luminance below which errors count as absolute.
 const FLOOR: f64 = 0.01;
 
-/// What is summed for one list of strategies.
+/// What is summed for one list of strategies, of a pixel that is looked at or of what is left in a
+/// cell from elsewhere.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
-    /// Variance of a sample's own pixel.
-    own: f64,
-    /// Squares of what was left elsewhere.
-    splats: f64,
+    /// Squares by the scatter, summed over samples.
+    scatter: f64,
     /// Squares of contributions by expectation.
     predicted: f64,
     /// The same as they came.
@@ -57,16 +58,30 @@ struct Sums {
     missing: f64,
 }
 
-/// A cell of the picture.
+impl Sums {
+    fn add(&mut self, other: &Self) {
+        self.scatter += other.scatter;
+        self.predicted += other.predicted;
+        self.seen += other.seen;
+        self.missing += other.missing;
+    }
+}
+
+/// Light that was found, and what lists of strategies make of it.
 #[derive(Clone, Debug)]
-struct Cell {
-    /// Samples of its pixels.
-    samples: u64,
-    /// Luminance that they found.
-    own: f64,
-    /// Luminance left in it from elsewhere.
-    splats: f64,
+struct Light {
+    /// Luminance, summed over samples; of a pixel without direct light.
+    luminance: f64,
     lists: Vec<Sums>,
+}
+
+/// A pixel that was looked at.
+#[derive(Clone, Debug)]
+struct Pixel {
+    cell: usize,
+    light: Light,
+    /// Luminance of direct light, summed over samples.
+    direct: f64,
 }
 
 /// Cells that the picture is cut into.
@@ -108,8 +123,10 @@ impl Grid {
 pub struct Findings {
     /// The cells.
     pub grid: Grid,
-    /// Squared luminance of each cell and the floor, in (cd/m2)^2: what variances are relative to.
-    pub squares: Vec<f64>,
+    /// Luminance of each cell in cd/m2, without direct light.
+    pub levels: Vec<f64>,
+    /// What is added to squared luminance, in (cd/m2)^2, before variances are held against it.
+    pub floor: f64,
     /// Mean luminance over that of a pixel, mean over pixels: the relative mean squared error of
     /// one visit for each pixel, by visits in proportion to luminance.
     pub visits: f64,
@@ -155,17 +172,18 @@ impl<'a> Pilot<'a> {
         Self { scene, view, plan, lists, grid, seed, pixels }
     }
 
-    fn cells(&self) -> Vec<Cell> {
-        let lists = vec![Sums::default(); self.lists.len()];
-        vec![Cell { samples: 0, own: 0.0, splats: 0.0, lists }; self.grid.count()]
+    fn light(&self) -> Light {
+        Light { luminance: 0.0, lists: vec![Sums::default(); self.lists.len()] }
     }
 
     /// Takes the samples; the same on any number of threads.
     pub fn run(&self) -> Findings {
-        let (mut cells, mut counts) = (self.cells(), Counts::default());
-        let merge = InOrder::new(|_, (piece, of_piece): (Vec<Cell>, Counts)| {
-            cells.iter_mut().zip(&piece).for_each(|(cell, more)| cell.add(more));
-            counts.add(&of_piece);
+        let (mut pixels, mut counts) = (Vec::new(), Counts::default());
+        let mut splats = vec![self.light(); self.grid.count()];
+        let merge = InOrder::new(|_, piece: Piece| {
+            pixels.extend(piece.pixels);
+            splats.iter_mut().zip(&piece.splats).for_each(|(cell, more)| cell.add(more));
+            counts.add(&piece.counts);
         });
         let pieces = self.pixels.div_ceil(PIECE) as usize;
         (0..pieces).into_par_iter().with_max_len(1).for_each(|piece| {
@@ -173,19 +191,20 @@ impl<'a> Pilot<'a> {
             merge.add(piece, self.piece(first, self.pixels.min(first + PIECE)));
         });
         drop(merge);
-        self.findings(&cells, counts)
+        self.findings(&pixels, &splats, counts)
     }
 
-    fn piece(&self, first: u64, end: u64) -> (Vec<Cell>, Counts) {
-        let (mut cells, mut counts) = (self.cells(), Counts::default());
+    fn piece(&self, first: u64, end: u64) -> Piece {
+        let splats = vec![self.light(); self.grid.count()];
+        let mut piece = Piece { pixels: Vec::new(), splats, counts: Counts::default() };
         let tracer = Tracer::new(self.scene, self.plan, Eye::Camera(&self.view.camera));
         let mut paths = Subpaths::default();
         paths.shares = Some(Vec::new());
         let mut found = Vec::new();
         for index in first..end {
-            self.pixel(index, &tracer, (&mut paths, &mut found), &mut cells, &mut counts);
+            self.pixel(index, &tracer, (&mut paths, &mut found), &mut piece);
         }
-        (cells, counts)
+        piece
     }
 
     /// Looks at one pixel.
@@ -194,92 +213,133 @@ impl<'a> Pilot<'a> {
         index: u64,
         tracer: &Tracer<'_>,
         (paths, found): (&mut Subpaths, &mut Vec<Found>),
-        cells: &mut [Cell],
-        counts: &mut Counts,
+        piece: &mut Piece,
     ) {
         let bits = self.pixels.next_power_of_two().trailing_zeros();
         let place = owen_sobol_2d(index as u32, bits, self.seed).map(f64::from);
         let resolution = self.view.camera.resolution().map(f64::from);
         let corner = [0, 1].map(|axis| (place[axis] * resolution[axis]).floor().min(resolution[axis] - 1.0));
-        let own_cell = self.grid.at_position(corner.map(|c| c + 0.5));
+        let cell = self.grid.at_position(corner.map(|c| c + 0.5));
+        let mut pixel = Pixel { cell, light: self.light(), direct: 0.0 };
         let mut blocks = vec![[0.0; BLOCKS as usize]; self.lists.len()];
         for block in 0..BLOCKS {
             let numbers = BlockSampler::new(self.seed, index, block, BLOCK_SAMPLES);
             for sample in 0..BLOCK_SAMPLES {
-                found.clear();
-                let sensor = &self.view.sensor;
-                tracer.sample(corner, &numbers.sample(sample), paths, &mut |path, wavelengths| {
-                    let luminance = luminance(sensor, path.estimate, wavelengths);
-                    // What is no number tells nothing here; the render will say so.
-                    if luminance.is_finite() && path.number != u32::MAX {
-                        let cell = path.position.map(|position| self.grid.at_position(position));
-                        let [weight, kept] = [path.weight, path.kept].map(f64::from);
-                        found.push(Found { luminance, weight, kept, cell, number: path.number });
-                    }
-                });
-                counts.note(paths);
+                self.sample(tracer, (corner, &numbers.sample(sample)), paths, found);
+                piece.counts.note(paths);
                 let shares = paths.shares.as_deref().unwrap_or_default();
                 for path in found.iter() {
-                    let cell = &mut cells[path.cell.unwrap_or(own_cell)];
-                    path.note(&shares[path.number as usize], cell, self.lists, &mut blocks, block as usize);
+                    let shares = &shares[path.number as usize];
+                    if let Some(cell) = path.cell {
+                        path.note(shares, self.lists, &mut piece.splats[cell], |_, sums, value| {
+                            sums.scatter += value * value;
+                        });
+                        continue;
+                    }
+                    path.note(shares, self.lists, &mut pixel.light, |list, _, value| {
+                        blocks[list][block as usize] += value;
+                    });
+                    if path.is_direct(paths) {
+                        pixel.light.luminance -= path.weight * path.luminance;
+                        pixel.direct += path.weight * path.luminance;
+                    }
                 }
             }
         }
-        let cell = &mut cells[own_cell];
-        cell.samples += SAMPLES_PER_PIXEL;
-        for (sums, blocks) in cell.lists.iter_mut().zip(&blocks) {
-            sums.own += 0.5 * (blocks[0] - blocks[1]).powi(2) / f64::from(BLOCK_SAMPLES);
+        for (sums, blocks) in pixel.light.lists.iter_mut().zip(&blocks) {
+            // Of both blocks' samples, each with the variance of one.
+            sums.scatter = (blocks[0] - blocks[1]).powi(2);
         }
+        piece.pixels.push(pixel);
     }
 
-    fn findings(&self, cells: &[Cell], counts: Counts) -> Findings {
+    fn sample(
+        &self,
+        tracer: &Tracer<'_>,
+        (corner, sampler): ([f64; 2], &Sampler),
+        paths: &mut Subpaths,
+        found: &mut Vec<Found>,
+    ) {
+        found.clear();
+        tracer.sample(corner, sampler, paths, &mut |path, wavelengths| {
+            let luminance = luminance(&self.view.sensor, path.estimate, wavelengths);
+            // What is no number tells nothing here; the render will say so. A point of light in view
+            // is the same to all.
+            if luminance.is_finite() && path.number != u32::MAX && (path.s, path.t) != (1, 1) {
+                let cell = path.position.map(|position| self.grid.at_position(position));
+                let [weight, kept] = [path.weight, path.kept].map(f64::from);
+                found.push(Found {
+                    luminance,
+                    weight,
+                    kept,
+                    cell,
+                    number: path.number,
+                    s: path.s,
+                    t: path.t,
+                });
+            }
+        });
+    }
+
+    fn findings(&self, pixels: &[Pixel], splats: &[Light], counts: Counts) -> Findings {
         let samples = (self.pixels * SAMPLES_PER_PIXEL) as f64;
-        let share_of_cell = 1.0 / cells.len() as f64;
-        let level = |cell: &Cell| {
-            let own = if cell.samples > 0 { cell.own / cell.samples as f64 } else { 0.0 };
-            own + cell.splats / (samples * share_of_cell)
+        let cells = splats.len() as f64;
+        let mut own = vec![(0.0, 0_u64); splats.len()];
+        for pixel in pixels {
+            own[pixel.cell].0 += pixel.light.luminance;
+            own[pixel.cell].1 += SAMPLES_PER_PIXEL;
+        }
+        let level = |(light, (own, count)): (&Light, &(f64, u64))| {
+            own / (*count).max(1) as f64 + light.luminance * cells / samples
         };
-        let levels: Vec<f64> = cells.iter().map(level).collect();
-        let mean = levels.iter().sum::<f64>() * share_of_cell;
-        let squares: Vec<f64> = levels.iter().map(|level| level * level + (FLOOR * mean).powi(2)).collect();
-        let visits = levels.iter().zip(&squares).map(|(level, square)| mean * level / square);
+        let levels: Vec<f64> = splats.iter().zip(&own).map(level).collect();
+        let mut direct = vec![0.0; splats.len()];
+        for pixel in pixels {
+            direct[pixel.cell] += pixel.direct / (own[pixel.cell].1 as f64);
+        }
+        let whole: Vec<f64> = levels.iter().zip(&direct).map(|(level, direct)| level + direct).collect();
+        let indirect = levels.iter().sum::<f64>() / cells;
+        let mean = whole.iter().sum::<f64>() / cells;
+        let floor = (FLOOR * mean).powi(2);
+        let visits =
+            levels.iter().zip(&whole).map(|(level, whole)| indirect * level / (whole * whole + floor));
+        let visits = visits.filter(|visits| visits.is_finite()).sum::<f64>() / cells;
         let of_list = |list: usize| {
             let mut expected = Expected::default();
-            for (cell, square) in cells.iter().zip(&squares).filter(|(_, square)| **square > 0.0) {
-                let Sums { own, splats, predicted, seen, missing } = cell.lists[list];
-                let scatter = own / (self.pixels as f64) + splats / samples;
-                let (found, more) =
-                    if self.lists[list].1 { (scatter, predicted - seen) } else { (0.0, predicted) };
-                expected.scatter += found / square;
-                expected.relmse += (found + more / samples) / square;
-                expected.missing += missing / samples;
+            let mut add = |light: &Light, level: f64| {
+                let Sums { scatter, predicted, seen, missing } = light.lists[list];
+                let over = samples * (level * level + floor);
+                if over > 0.0 {
+                    let is_sampled = self.lists[list].1;
+                    let (scatter, seen) = if is_sampled { (scatter, seen) } else { (0.0, 0.0) };
+                    expected.scatter += scatter / over;
+                    expected.relmse += (scatter + predicted - seen) / over;
+                    expected.missing += missing / samples;
+                }
+            };
+            splats.iter().zip(&whole).for_each(|(light, level)| add(light, *level));
+            for pixel in pixels {
+                add(&pixel.light, levels[pixel.cell] + pixel.direct / SAMPLES_PER_PIXEL as f64);
             }
             expected.missing /= mean;
             expected
         };
         let lists = (0..self.lists.len()).map(of_list).collect();
-        Findings {
-            grid: self.grid,
-            visits: visits.filter(|visits| visits.is_finite()).sum::<f64>() * share_of_cell,
-            squares,
-            lists,
-            counts,
-        }
+        Findings { grid: self.grid, levels, floor, visits, lists, counts }
     }
 }
 
-impl Cell {
+/// What a piece of the work has found.
+struct Piece {
+    pixels: Vec<Pixel>,
+    splats: Vec<Light>,
+    counts: Counts,
+}
+
+impl Light {
     fn add(&mut self, other: &Self) {
-        self.samples += other.samples;
-        self.own += other.own;
-        self.splats += other.splats;
-        for (sums, more) in self.lists.iter_mut().zip(&other.lists) {
-            sums.own += more.own;
-            sums.splats += more.splats;
-            sums.predicted += more.predicted;
-            sums.seen += more.seen;
-            sums.missing += more.missing;
-        }
+        self.luminance += other.luminance;
+        self.lists.iter_mut().zip(&other.lists).for_each(|(sums, more)| sums.add(more));
     }
 }
 
@@ -291,33 +351,39 @@ struct Found {
     /// Where it belongs, unless to the sample's own pixel.
     cell: Option<usize>,
     number: u32,
+    s: usize,
+    t: usize,
 }
 
 impl Found {
+    /// Adds the path to what is known of a pixel or a cell; `add` is handed what each list makes of it.
     fn note(
         &self,
         shares: &Shares,
-        cell: &mut Cell,
         lists: &[(Strategies, bool)],
-        blocks: &mut [[f64; BLOCKS as usize]],
-        block: usize,
+        light: &mut Light,
+        mut add: impl FnMut(usize, &mut Sums, f64),
     ) {
         let Self { luminance, weight, kept, .. } = *self;
         let lived = kept * shares.survival;
-        *(if self.cell.is_some() { &mut cell.splats } else { &mut cell.own }) += weight * luminance;
-        for (index, ((strategies, _), sums)) in lists.iter().zip(&mut cell.lists).enumerate() {
+        light.luminance += weight * luminance;
+        for (index, (strategies, _)) in lists.iter().enumerate() {
             let value = shares.weight(strategies) * luminance;
-            if self.cell.is_some() {
-                sums.splats += value * value;
-            } else {
-                blocks[index][block] += value;
-            }
+            let sums = &mut light.lists[index];
+            add(index, sums, value);
             sums.seen += value * value * lived;
             match shares.second_moment(strategies) {
                 Some(moment) => sums.predicted += weight * luminance * luminance * lived * moment,
                 None => sums.missing += weight * luminance,
             }
         }
+    }
+
+    /// Whether it is light that is seen straight or over smooth surfaces, or that shines straight on
+    /// what is seen so.
+    fn is_direct(&self, paths: &Subpaths) -> bool {
+        let before = self.s + self.t - 2;
+        self.s < 2 && paths.eye[..before].iter().skip(1).all(|vertex| vertex.is_delta)
     }
 }
 
