@@ -141,7 +141,9 @@ pub fn render(
 /// What a short run leaves at a pixel, in cd/m2.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AtPixel {
-    /// Standard error of the light that chains bring.
+    /// Light that chains bring.
+    pub chains: f64,
+    /// Its standard error.
     pub chains_error: f64,
     /// Direct light.
     pub direct: f64,
@@ -164,7 +166,8 @@ pub(crate) fn short_run(scene: &Scene, view: &View, plan: &Plan, budget: &Budget
     const LUMINANCE: usize = 1;
     let clock = Clock::start(None);
     let mut world = World::new(scene, view, plan);
-    let learned = learn(&mut world, budget);
+    // The level need not be as sure as a picture's.
+    let learned = Learned { search_at_least: 0, ..learn(&mut world, budget) };
     let direct = DirectLight::new(scene, view, plan.most_bounces);
     let is_seen = direct.is_seen(direct_seed(budget.seed));
     let per_direct = PER_DIRECT[usize::from(!is_seen)];
@@ -180,6 +183,7 @@ pub(crate) fn short_run(scene: &Scene, view: &View, plan: &Plan, budget: &Budget
     let at = |pixel: usize| {
         let (share, error) = chains.film.share(pixel, LUMINANCE);
         AtPixel {
+            chains: b * share,
             chains_error: (b * error).hypot(share * b_error),
             direct: chains.direct.mean(pixel, LUMINANCE),
             direct_error: chains.direct.standard_error(pixel, LUMINANCE),

@@ -23,7 +23,7 @@ use crate::material::Material;
 use crate::path::{Eye, Groups, Strategies};
 use crate::sampler::mix;
 use crate::scene::{Plan, Scene, View};
-use samples::{Expected, Findings, Pilot, SAMPLES_PER_PIXEL};
+use samples::{Findings, Pilot, SAMPLES_PER_PIXEL};
 use std::time::Instant;
 
 /// Share of a render's work that its pilot may take.
@@ -149,13 +149,14 @@ fn after_pilot(
     let pixels = pixels.min(MOST_PIXELS);
     let findings = pilot(pixels);
     let mut rows = rows(&findings, plans, &lists);
-    let best =
-        rows.iter().filter(|row| row.excluded.is_none()).map(|row| row.cost()).fold(f64::INFINITY, f64::min);
-    if !best.is_finite() || best <= 0.0 {
+    let usable = rows.iter().enumerate().filter(|(_, row)| row.excluded.is_none());
+    let best = usable.map(|(list, row)| (list, row.cost())).min_by(|(_, a), (_, b)| a.total_cmp(b));
+    let Some((list, best)) = best.filter(|(_, cost)| cost.is_finite() && *cost > 0.0) else {
         return Err("the pilot found no light");
-    }
+    };
     let left_s = allowed_s - pixels as f64 * pixel_s;
-    let chains = try_chains(scene, view, (&bounded.plan, &findings), best, (mix(seed), left_s, render_s));
+    let chains =
+        try_chains(scene, view, (&bounded.plan, &findings), (list, best), (mix(seed), left_s, render_s));
     let mutations = chains.mutations;
     rows.push(chains);
     let picked = pick(&rows);
@@ -174,16 +175,14 @@ fn pick(rows: &[Row]) -> usize {
 
 fn rows(findings: &Findings, plans: &[Plan; LISTS.len()], lists: &[(Strategies, bool)]) -> Vec<Row> {
     let all = &plans[LISTS.len() - 1];
-    let of_list = |(((groups, plan), expected), (_, is_sampled)): (
-        ((Groups, &Plan), &Expected),
-        &(Strategies, bool),
-    )| {
+    let of_list = |list: usize| {
+        let (groups, plan, expected) = (LISTS[list], &plans[list], &findings.lists[list]);
         let excluded = if !misses_nothing(plan, all) {
             let words = plan.unreachable.iter().map(|class| class.word).collect::<Vec<_>>().join(", ");
             Some(format!("cannot find light on the way {words}"))
         } else if expected.missing > NOTHING_MISSING {
             Some(format!("cannot find {:.2} % of the light", 100.0 * expected.missing))
-        } else if !is_sampled {
+        } else if !lists[list].1 {
             Some("no more than a bound is known: how roulette ends its long walks is not in it".to_owned())
         } else {
             None
@@ -198,15 +197,15 @@ fn rows(findings: &Findings, plans: &[Plan; LISTS.len()], lists: &[(Strategies, 
             mutations: 0,
         }
     };
-    LISTS.into_iter().zip(plans).zip(&findings.lists).zip(lists).map(of_list).collect()
+    (0..LISTS.len()).map(of_list).collect()
 }
 
-/// Chains, measured where they may be better than `best`.
+/// Chains, measured where they may be better than the best list, of which place and cost are given.
 fn try_chains(
     scene: &Scene,
     view: &View,
     (plan, findings): (&Plan, &Findings),
-    best: f64,
+    (list, best): (usize, f64),
     (seed, left_s, render_s): (u64, f64, f64),
 ) -> Row {
     let seconds_per_sample = findings.counts.seconds_per_mutation();
@@ -227,7 +226,7 @@ fn try_chains(
     if mutations < MUTATIONS[0] {
         return row(None, 0, Some("not tried: too little is to be rendered"));
     }
-    match chains::measure(scene, view, plan, findings, (seed, mutations)) {
+    match chains::measure(scene, view, plan, (findings, list), (seed, mutations)) {
         Some(chained) => {
             // A fresh path costs about what a mutation does.
             let before_s = chained.needed_paths * seconds_per_sample;

@@ -78,6 +78,8 @@ struct Light {
 /// A pixel that was looked at.
 #[derive(Clone, Debug)]
 struct Pixel {
+    /// Its middle, in shares of the picture's width and height.
+    place: [f64; 2],
     cell: usize,
     light: Light,
     /// Luminance of direct light, summed over samples.
@@ -134,6 +136,29 @@ pub struct Findings {
     pub lists: Vec<Expected>,
     /// What the samples took, by kind.
     pub counts: Counts,
+    /// The pixels that were looked at.
+    pixels: Vec<Pixel>,
+}
+
+impl Findings {
+    /// Relative mean squared error of a list of strategies that the pilot samples, at the pixels
+    /// looked at alone, without what is left in them from elsewhere; against indirect light that
+    /// `level` knows better than the cells do, at a place of the picture in shares of its sides.
+    pub fn at_pixels(&self, list: usize, level: impl Fn([f64; 2]) -> f64) -> f64 {
+        let samples = (self.pixels.len() as u64 * SAMPLES_PER_PIXEL) as f64;
+        let of_pixel = |pixel: &Pixel| {
+            let Sums { scatter, predicted, seen, .. } = pixel.light.lists[list];
+            let whole = level(pixel.place) + pixel.direct / SAMPLES_PER_PIXEL as f64;
+            let over = samples * (whole * whole + self.floor);
+            if over > 0.0 { (scatter + predicted - seen) / over } else { 0.0 }
+        };
+        self.pixels.iter().map(of_pixel).sum()
+    }
+
+    /// The same against the cells.
+    pub fn at_pixels_by_cells(&self, list: usize) -> f64 {
+        self.at_pixels(list, |place| self.levels[self.grid.at(place)])
+    }
 }
 
 /// What is expected of a list of strategies.
@@ -191,7 +216,7 @@ impl<'a> Pilot<'a> {
             merge.add(piece, self.piece(first, self.pixels.min(first + PIECE)));
         });
         drop(merge);
-        self.findings(&pixels, &splats, counts)
+        self.findings(pixels, &splats, counts)
     }
 
     fn piece(&self, first: u64, end: u64) -> Piece {
@@ -219,8 +244,9 @@ impl<'a> Pilot<'a> {
         let place = owen_sobol_2d(index as u32, bits, self.seed).map(f64::from);
         let resolution = self.view.camera.resolution().map(f64::from);
         let corner = [0, 1].map(|axis| (place[axis] * resolution[axis]).floor().min(resolution[axis] - 1.0));
-        let cell = self.grid.at_position(corner.map(|c| c + 0.5));
-        let mut pixel = Pixel { cell, light: self.light(), direct: 0.0 };
+        let place = [0, 1].map(|axis| (corner[axis] + 0.5) / resolution[axis]);
+        let cell = self.grid.at(place);
+        let mut pixel = Pixel { place, cell, light: self.light(), direct: 0.0 };
         let mut blocks = vec![[0.0; BLOCKS as usize]; self.lists.len()];
         for block in 0..BLOCKS {
             let numbers = BlockSampler::new(self.seed, index, block, BLOCK_SAMPLES);
@@ -281,11 +307,11 @@ impl<'a> Pilot<'a> {
         });
     }
 
-    fn findings(&self, pixels: &[Pixel], splats: &[Light], counts: Counts) -> Findings {
+    fn findings(&self, pixels: Vec<Pixel>, splats: &[Light], counts: Counts) -> Findings {
         let samples = (self.pixels * SAMPLES_PER_PIXEL) as f64;
         let cells = splats.len() as f64;
         let mut own = vec![(0.0, 0_u64); splats.len()];
-        for pixel in pixels {
+        for pixel in &pixels {
             own[pixel.cell].0 += pixel.light.luminance;
             own[pixel.cell].1 += SAMPLES_PER_PIXEL;
         }
@@ -294,7 +320,7 @@ impl<'a> Pilot<'a> {
         };
         let levels: Vec<f64> = splats.iter().zip(&own).map(level).collect();
         let mut direct = vec![0.0; splats.len()];
-        for pixel in pixels {
+        for pixel in &pixels {
             direct[pixel.cell] += pixel.direct / (own[pixel.cell].1 as f64);
         }
         let whole: Vec<f64> = levels.iter().zip(&direct).map(|(level, direct)| level + direct).collect();
@@ -318,14 +344,14 @@ impl<'a> Pilot<'a> {
                 }
             };
             splats.iter().zip(&whole).for_each(|(light, level)| add(light, *level));
-            for pixel in pixels {
+            for pixel in &pixels {
                 add(&pixel.light, levels[pixel.cell] + pixel.direct / SAMPLES_PER_PIXEL as f64);
             }
             expected.missing /= mean;
             expected
         };
         let lists = (0..self.lists.len()).map(of_list).collect();
-        Findings { grid: self.grid, levels, floor, visits, lists, counts }
+        Findings { grid: self.grid, levels, floor, visits, lists, counts, pixels }
     }
 }
 
