@@ -13,6 +13,10 @@ use crate::scene::{Plan, Scene, View};
 /// Pixels of the picture, about.
 const PIXELS: u64 = 1 << 12;
 
+/// Factor by which what an error is held against may differ between the two pictures: where it
+/// differs more, the chains have not seen all the light that samples did.
+const MOST_SCALED: f64 = 100.0;
+
 /// What chains were found to be worth.
 #[derive(Clone, Copy, Debug)]
 pub struct Chained {
@@ -52,8 +56,9 @@ pub fn measure(
     };
     let mean = short.pixels.iter().enumerate().map(of_pixel).sum::<f64>() / short.pixels.len() as f64;
     let scale = findings.at_pixels_by_cells(list) / findings.at_pixels(list, level);
+    let scale = if scale.is_finite() { scale.clamp(1.0 / MOST_SCALED, MOST_SCALED) } else { 1.0 };
     Some(Chained {
-        relmse: samples_per_pixel as f64 * mean * if scale.is_finite() { scale } else { 1.0 },
+        relmse: samples_per_pixel as f64 * mean * scale,
         mutations: samples_per_pixel * short.pixels.len() as u64,
         needed_paths: short.needed_paths,
     })
