@@ -57,6 +57,7 @@ pub mod material;
 pub mod measure;
 pub mod metropolis;
 pub mod path;
+pub mod pilot;
 #[cfg(feature = "harness")]
 pub mod python;
 pub mod replay;

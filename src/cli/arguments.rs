@@ -4,6 +4,8 @@ use clap::Args;
 use etalon::camera::Sensor;
 use etalon::error::Error;
 use etalon::integrator::{Budget, Integrator};
+use etalon::path::{Groups, Strategies};
+use etalon::pilot::Selection;
 use etalon::scene::{Leaving, Plan, Scene, View};
 use std::time::Duration;
 
@@ -28,9 +30,13 @@ pub struct Effort {
     /// Size of the picture instead of the scene's, as WIDTHxHEIGHT
     #[arg(long, value_name = "WxH", value_parser = resolution)]
     pub resolution: Option<[u32; 2]>,
-    /// Algorithm: path, light, bdpt or mlt [default: path, or the reference case's own]
-    #[arg(long, value_name = "NAME", value_parser = integrator)]
-    pub integrator: Option<Integrator>,
+    /// Algorithm: path, light, bdpt, mlt, or auto, which tries them on a small share of the work and
+    /// takes the best [default: auto, or the reference case's own]
+    #[arg(long, value_name = "NAME", value_parser = algorithm)]
+    pub integrator: Option<Algorithm>,
+    /// Groups of strategies that bdpt uses, of path, joins and splats, as path,splats [default: all]
+    #[arg(long, value_name = "LIST", requires = "integrator", value_parser = groups)]
+    pub groups: Option<Groups>,
     /// Cut paths off after this many bounces and say what that loses [default: no limit]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=MOST_BOUNCES))]
     pub max_bounces: Option<u32>,
@@ -38,6 +44,27 @@ pub struct Effort {
     /// keep=NAME,... (all but these); the expected picture is the same
     #[arg(long = "plan", value_name = "WHAT", default_value_t = Leaving::all(), value_parser = leaving)]
     pub leaving: Leaving,
+}
+
+/// An algorithm as it is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Algorithm {
+    /// The best of all, found out by a pilot.
+    Auto,
+    /// This one.
+    Named(Integrator),
+}
+
+/// The name of [`Algorithm::Auto`].
+const AUTO: &str = "auto";
+
+impl Algorithm {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => AUTO,
+            Self::Named(integrator) => integrator.name(),
+        }
+    }
 }
 
 /// Bounces beyond which a limit is none.
@@ -51,20 +78,59 @@ impl Effort {
         Budget { samples_per_pixel, time: self.time, error: self.error, seed: self.seed }
     }
 
-    /// The algorithm that is asked for, or path tracing.
+    /// The algorithm and the groups that are asked for; `None` where they are to be found out.
+    ///
+    /// # Errors
+    /// Where groups are given that the algorithm does not have.
+    pub fn selection(&self) -> etalon::error::Result<Option<Selection>> {
+        match (self.integrator, self.groups) {
+            (Some(Algorithm::Named(Integrator::Bdpt)), groups) => {
+                Ok(Some(Selection { integrator: Integrator::Bdpt, groups }))
+            }
+            (_, Some(groups)) => {
+                Err(Error::new(format!("--groups {groups} are groups of strategies of bdpt"))
+                    .hint("add --integrator bdpt, or leave --groups out"))
+            }
+            (Some(Algorithm::Named(integrator)), None) => Ok(Some(Selection::whole(integrator))),
+            (None | Some(Algorithm::Auto), None) => Ok(None),
+        }
+    }
+
+    /// The same effort with what was selected.
+    #[must_use]
+    pub fn with(&self, selection: Selection) -> Self {
+        let integrator = Some(Algorithm::Named(selection.integrator));
+        Self { integrator, groups: selection.groups, ..self.clone() }
+    }
+
+    /// The algorithm, once it is settled.
     pub fn integrator(&self) -> Integrator {
-        self.integrator.unwrap_or(Integrator::Path)
+        match self.integrator {
+            Some(Algorithm::Named(integrator)) => integrator,
+            None | Some(Algorithm::Auto) => Integrator::Path,
+        }
+    }
+
+    /// Algorithm and groups, once they are settled.
+    pub fn selected(&self) -> Selection {
+        Selection { integrator: self.integrator(), groups: self.groups }
+    }
+
+    /// Its strategies.
+    pub fn strategies(&self) -> Strategies {
+        self.selected().strategies()
     }
 
     /// What a scene needs for this effort as a sensor sees it.
     pub fn plan(&self, scene: &Scene, sensor: &Sensor) -> Plan {
-        let plan = Plan::under(scene, sensor, self.integrator().strategies(), &self.leaving);
+        let plan = Plan::under(scene, sensor, self.strategies(), &self.leaving);
         Plan { most_bounces: self.max_bounces, ..plan }
     }
 
     /// The same effort as words of a command line.
     pub fn words(&self) -> Vec<String> {
-        let Self { spp, error, time, seed, threads, resolution, integrator, max_bounces, leaving } = self;
+        let Self { spp, error, time, seed, threads, resolution, integrator, groups, max_bounces, leaving } =
+            self;
         let given = [
             ("--spp", spp.map(|spp| spp.to_string())),
             ("--error", error.map(|error| error.to_string())),
@@ -73,6 +139,7 @@ impl Effort {
             ("--threads", threads.map(|threads| threads.to_string())),
             ("--resolution", resolution.map(|[width, height]| format!("{width}x{height}"))),
             ("--integrator", integrator.map(|integrator| integrator.name().to_owned())),
+            ("--groups", groups.map(|groups| groups.to_string())),
             ("--max-bounces", max_bounces.map(|bounces| bounces.to_string())),
             ("--plan", (*leaving != Leaving::all()).then(|| leaving.to_string())),
         ];
@@ -127,6 +194,17 @@ pub fn integrator(name: &str) -> Result<Integrator, String> {
     Integrator::named(name).ok_or_else(|| Error::unknown_name("integrator", name, known()).to_string())
 }
 
+fn algorithm(name: &str) -> Result<Algorithm, String> {
+    let known = || Integrator::ALL.iter().map(|i| i.name()).chain([AUTO]);
+    let named = || Integrator::named(name).map(Algorithm::Named);
+    let found = if name == AUTO { Some(Algorithm::Auto) } else { named() };
+    found.ok_or_else(|| Error::unknown_name("integrator", name, known()).to_string())
+}
+
+pub fn groups(names: &str) -> Result<Groups, String> {
+    Groups::named(names).map_err(|error| error.to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -150,6 +228,8 @@ mod tests {
     fn words_say_the_same_effort_again() {
         for line in [
             "--spp 3 --seed 7 --threads 2 --resolution 640x480 --integrator bdpt",
+            "--spp 3 --seed 7 --integrator bdpt --groups path,splats",
+            "--seed 0 --integrator auto",
             "--time 0.5 --seed 0",
             "--spp 1000 --error 0.01 --seed 0",
             "--error 0.003 --time 60 --seed 0",

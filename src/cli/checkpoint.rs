@@ -12,6 +12,7 @@ use etalon::camera::Film;
 use etalon::error::{Error, Result};
 use etalon::image::checkpoint::{self, Identity};
 use etalon::integrator::{Budget, Progress, State};
+use etalon::pilot::Selection;
 use etalon::scene::View;
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -69,6 +70,17 @@ impl Keeping {
                 .in_file(file));
         }
         check_place(file)
+    }
+
+    /// What a run that is gone on with was rendered with; `None` where it begins.
+    ///
+    /// # Errors
+    /// Where the checkpoint is damaged.
+    pub fn selection(&self, view: &View) -> Result<Option<Selection>> {
+        let Some(file) = self.checkpoint.as_ref().filter(|_| self.resume) else { return Ok(None) };
+        let found = checkpoint::read_file(file, most_bytes(view))?;
+        let named = found.map(|found| Selection::named(&found.identity.integrator));
+        named.transpose().map_err(|e| e.in_file(file))
     }
 
     /// The state to go on from, and what watches over the run.

@@ -1,6 +1,7 @@
 //! Subcommands, one file each: arguments as typed, then as meant.
 
 mod arguments;
+mod auto;
 mod check;
 mod checkpoint;
 mod compare;

@@ -1,6 +1,7 @@
 //! `etalon render`: a scene to an EXR in absolute units and, if asked, a developed picture.
 
 use super::arguments::Effort;
+use super::auto;
 use super::checkpoint::Keeping;
 use super::error_words::error_words;
 use super::faults;
@@ -15,6 +16,7 @@ use etalon::image::{
 };
 use etalon::integrator::{Budget, Integrator, Rendering, Stopwatch, Times};
 use etalon::metropolis::Outcome;
+use etalon::pilot::Report;
 use etalon::scene::conditions::{Condition, Kind, ORDINARY_SPP, conditions, in_short};
 use etalon::scene::{NOTHING_SHINES, Plan, Scene, View};
 use std::path::{Path, PathBuf};
@@ -75,7 +77,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     }
     check_distinct(arguments)?;
     arguments.keeping.check()?;
-    if arguments.strategies.is_some() && arguments.effort.integrator() == Integrator::Mlt {
+    let asked = arguments.effort.selection()?;
+    let is_mlt = asked.is_some_and(|selection| selection.integrator == Integrator::Mlt);
+    if arguments.strategies.is_some() && is_mlt {
         return Err(Error::new("a chain's path belongs to no single strategy")
             .hint("use --strategies with --integrator bdpt, whose strategies mlt shares")
             .into());
@@ -90,7 +94,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         view.sensor = view.sensor.with_spectral_layers(usize::from(count));
     }
     let layers = Layers { linear_srgb: arguments.linear_srgb };
-    let effort = &arguments.effort;
+    let (settled, choice) =
+        auto::settle(&scene, &view, &arguments.effort, DEFAULT_SPP, Some(&arguments.keeping))?;
+    if arguments.strategies.is_some() && settled.integrator() == Integrator::Mlt {
+        return Err(Error::new("auto has picked mlt, and a chain's path belongs to no single strategy")
+            .hint("use --strategies with --integrator bdpt, whose strategies mlt shares")
+            .into());
+    }
+    let effort = &settled;
     let plan = effort.plan(&scene, &view.sensor);
     if arguments.strict && !plan.unreachable.is_empty() {
         eprintln!("error: {}: {}", arguments.scene.display(), missing(&plan, effort.integrator()));
@@ -106,8 +117,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         layers,
         since,
         keeping: Some(&arguments.keeping),
+        choice,
     };
-    let rendered = render_to_files(&scene, &view, &arguments.effort, DEFAULT_SPP, &files);
+    let rendered = render_to_files(&scene, &view, effort, DEFAULT_SPP, &files);
     if let (Some(report), Err(error)) = (&arguments.report, &rendered)
         && let Some(nothing) = error.downcast_ref::<NothingFound>()
     {
@@ -135,7 +147,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     }
     let is_sound = faults::tell(&facts, &arguments.scene, &arguments.output, arguments.strict);
     if let Some(folder) = &arguments.strategies {
-        let sheet = strategies::write(folder, &scene, &view, &plan, &arguments.effort, layers)?;
+        let sheet = strategies::write(folder, &scene, &view, &plan, effort, layers)?;
         super::print(&format!("{}: every strategy by itself and weighted", sheet.display()));
     }
     Ok(if arguments.strict && !is_sound { ExitCode::from(3) } else { ExitCode::SUCCESS })
@@ -277,6 +289,8 @@ pub struct Files<'a> {
     pub since: Stopwatch,
     /// Where it is kept on the way, if anywhere.
     pub keeping: Option<&'a Keeping>,
+    /// What picked the algorithm, where nobody named it.
+    pub choice: Option<Report>,
 }
 
 /// Warns of what makes a render take very long, before it does.
@@ -318,7 +332,7 @@ pub fn render_to_files(
         // No error could be reached, and none is there.
         budget = Budget { samples_per_pixel: 1, time: None, error: None, ..budget };
     }
-    let identity = Identity::of(scene, view, &plan, integrator, &budget);
+    let identity = Identity::of(scene, view, &plan, effort.selected(), &budget);
     let keeping = files.keeping.cloned().unwrap_or_default();
     let (from, watch) = keeping.begin(identity, view, &budget)?;
     let load = files.since.cost();
@@ -332,8 +346,13 @@ pub fn render_to_files(
         let text = format!("{}: no direct light was found; {what}; no picture is written", scene.name);
         return Err(NothingFound { text, outcome: outcome.clone() }.into());
     }
-    let times =
-        Times { load: Some(load), pilot: None, bootstrap: rendering.bootstrap, render: rendering.blocks };
+    let pilot = files.choice.as_ref().map(Report::cost);
+    let times = Times {
+        load: Some(pilot.map_or(load, |pilot| load.minus(pilot))),
+        pilot,
+        bootstrap: rendering.bootstrap,
+        render: rendering.blocks,
+    };
     let Rendering { film, metropolis, truncation, ends, spent, .. } = rendering;
     let mut facts = Facts {
         cpu_seconds: spent.cpu_seconds,
@@ -342,6 +361,8 @@ pub fn render_to_files(
         metropolis,
         truncation: Some(truncation),
         conditions,
+        groups: effort.groups.map(|groups| groups.to_string()),
+        auto: files.choice.clone(),
         ..Facts::of(scene, view, &plan, integrator, &budget, &film, times)
     };
     let planes = planes(&film, &view.sensor, &view.flat_field());

@@ -6,7 +6,8 @@ use etalon::error::{Error, Result};
 use etalon::image::read_facts;
 use etalon::integrator::{Bounded, Budget, Integrator, block_size, instrument_plan_under, size_of_block};
 use etalon::metropolis::World;
-use etalon::path::Eye;
+use etalon::path::{Eye, Groups};
+use etalon::pilot::Selection;
 use etalon::replay::{
     MeterSample, PixelSample, SampleName, explain, explain_path, replay_meter, replay_path, replay_pixel,
 };
@@ -67,6 +68,7 @@ struct Known {
     scene_hash: Option<String>,
     seed: u64,
     integrator: Option<String>,
+    groups: Option<String>,
     samples: u64,
     samples_per_pixel: u64,
     max_bounces: Option<u32>,
@@ -362,7 +364,11 @@ fn view(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<View> {
 }
 
 fn plan(arguments: &Arguments, known: &Known, scene: &Scene, view: &View) -> Result<Plan> {
-    let strategies = integrator(arguments, known)?.strategies();
+    let integrator = integrator(arguments, known)?;
+    // Of another algorithm than the render's, all strategies.
+    let is_known = known.integrator.as_deref() == Some(integrator.name());
+    let groups = known.groups.as_deref().filter(|_| is_known).map(Groups::named).transpose()?;
+    let strategies = Selection { integrator, groups }.strategies();
     let plan = Plan::under(scene, &view.sensor, strategies, &leaving(arguments, known));
     Ok(Plan { most_bounces: known.max_bounces, ..plan })
 }

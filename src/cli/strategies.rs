@@ -38,7 +38,7 @@ pub fn write(
     let started = Stopwatch::start();
     let budget = effort.budget(DEFAULT_SPP);
     // Also what a render leaves out because another strategy is better at it.
-    let strategies = effort.integrator().strategies();
+    let strategies = effort.strategies();
     let meets_lights = strategies.meets_lights && plan.strategies.meets_lights;
     let meets_eye = strategies.meets_eye && view.camera.has_aperture();
     let strategies = Strategies { meets_lights, meets_eye, ..strategies };

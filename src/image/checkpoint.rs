@@ -18,6 +18,7 @@ use super::safely::write_whole;
 use crate::camera::Crop;
 use crate::error::{Error, Result};
 use crate::integrator::{Budget, Integrator, State};
+use crate::pilot::Selection;
 use crate::scene::{Plan, Scene, View};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -51,7 +52,7 @@ pub struct Identity {
     pub scene: String,
     /// Hash of the scene's text, camera included, and of every file that it names.
     pub scene_hash: String,
-    /// Algorithm.
+    /// Algorithm, and its groups of strategies where not all are used.
     pub integrator: String,
     /// Width and height in pixels.
     pub resolution: [u32; 2],
@@ -75,12 +76,12 @@ pub struct Identity {
 
 impl Identity {
     /// That of a run of this program.
-    pub fn of(scene: &Scene, view: &View, plan: &Plan, integrator: Integrator, budget: &Budget) -> Self {
+    pub fn of(scene: &Scene, view: &View, plan: &Plan, selection: Selection, budget: &Budget) -> Self {
         Self {
             program: format!("{} ({})", env!("CARGO_PKG_VERSION"), env!("ETALON_SOURCES")),
             scene: scene.name.clone(),
             scene_hash: scene.hash.clone(),
-            integrator: integrator.name().to_owned(),
+            integrator: selection.to_string(),
             resolution: view.camera.resolution(),
             crop: view.camera.crop(),
             max_bounces: plan.most_bounces,

@@ -3,6 +3,7 @@
 use crate::camera::{CameraRecord, CellErrors, Crop, Film, PictureError};
 use crate::integrator::{Budget, Cost, End, Integrator, Times, Truncation, USUAL_TARGETS, cpu_seconds};
 use crate::metropolis::Outcome;
+use crate::pilot::Report;
 use crate::replay::SampleName;
 use crate::scene::conditions::Condition;
 use crate::scene::{Plan, PlanItem, Scene, View};
@@ -37,6 +38,11 @@ pub struct Facts {
     pub stopping: Stopping,
     /// Algorithm.
     pub integrator: &'static str,
+    /// Groups of strategies, as `path,splats`; `None` where all that the algorithm stands for were
+    /// used.
+    pub groups: Option<String>,
+    /// What picked the algorithm, where nobody named it.
+    pub auto: Option<Report>,
     /// Units of the channels.
     pub units: &'static str,
     /// Exposure and optics.
@@ -162,6 +168,8 @@ impl Facts {
             parts: 1,
             stopping: Stopping::of(budget),
             integrator: integrator.name(),
+            groups: None,
+            auto: None,
             units: "X, Y, Z in cd/m2 (Y is luminance); stderr.* their standard errors; sensor.* as camera.channels says, before exposure and vignetting; S0.* in W sr^-1 m^-2 nm^-1; vignetting relative to the middle",
             camera: view.record(),
             plan: plan.reasons.clone(),

@@ -45,7 +45,7 @@ pub use node::Node;
 pub use normalisation::Estimates;
 pub use numbers::{Numbers, Steps};
 pub use path::Path;
-pub(crate) use render::{Chains, Learned, go_on};
+pub(crate) use render::{AtPixel, Chains, Learned, go_on, short_run};
 pub use render::{Outcome, render};
 pub use report::{MutationRow, Report};
 pub use world::World;

@@ -12,7 +12,7 @@ use super::world::World;
 use crate::camera::{Film, Finished};
 use crate::integrator::{
     BlockOf, Bounded, Budget, Clock, DirectLight, FEWEST_SAMPLES, Gathered, InOrder, Progress, Rendering,
-    Source, State,
+    Silent, Source, State,
 };
 use crate::path::Eye;
 use crate::replay::Faults;
@@ -135,6 +135,63 @@ pub fn render(
     progress: &dyn Progress,
 ) -> Rendering {
     go_on(scene, view, plan, budget, progress, None)
+}
+
+/// What a short run leaves at a pixel, in cd/m2.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AtPixel {
+    /// Light that chains bring.
+    pub chains: f64,
+    /// Its standard error.
+    pub chains_error: f64,
+    /// Direct light.
+    pub direct: f64,
+    /// Its standard error.
+    pub direct_error: f64,
+}
+
+/// What a short run leaves.
+#[derive(Clone, Debug)]
+pub(crate) struct Short {
+    /// Luminances at each pixel.
+    pub pixels: Vec<AtPixel>,
+    /// Fresh paths that a run of any length looks at before and beside its chains, for its starts
+    /// and for its level, beyond those in proportion to its mutations.
+    pub needed_paths: f64,
+}
+
+/// A short run; `None` where chains found nothing to start from.
+pub(crate) fn short_run(scene: &Scene, view: &View, plan: &Plan, budget: &Budget) -> Option<Short> {
+    const LUMINANCE: usize = 1;
+    let clock = Clock::start(None);
+    let mut world = World::new(scene, view, plan);
+    // The level need not be as sure as a picture's.
+    let learned = Learned { search_at_least: 0, ..learn(&mut world, budget) };
+    let direct = DirectLight::new(scene, view, plan);
+    let is_seen = direct.is_seen(direct_seed(budget.seed));
+    let per_direct = PER_DIRECT[usize::from(!is_seen)];
+    let source = Mutated { world: &world, learned: &learned, direct, per_direct };
+    let mut state = State::begin(&source, budget, &clock, Some(learned.clone()));
+    state.run(&source, budget, &clock, &Silent);
+    let chains = state.estimates().next()?.chains.as_ref()?;
+    if learned.found_none_in.is_some() || chains.estimates.found == 0 {
+        return None;
+    }
+    let unit = f64::from(world.light_unit);
+    let (b, b_error) = (unit * chains.estimates.mean(), unit * chains.estimates.standard_error());
+    let at = |pixel: usize| {
+        let (share, error) = chains.film.share(pixel, LUMINANCE);
+        AtPixel {
+            chains: b * share,
+            chains_error: (b * error).hypot(share * b_error),
+            direct: chains.direct.mean(pixel, LUMINANCE),
+            direct_error: chains.direct.standard_error(pixel, LUMINANCE),
+        }
+    };
+    let paths_per_find = chains.estimates.paths as f64 / chains.estimates.found as f64;
+    let finds = LEARNING_ROUNDS * ENOUGH_FOUND as u64 + FINDS_PER_RUN;
+    let pixels = (0..chains.direct.pixels()).map(at).collect();
+    Some(Short { pixels, needed_paths: paths_per_find * finds as f64 })
 }
 
 /// Goes on with a run from a state, or begins one.

@@ -5,6 +5,7 @@ use super::eye::Eye;
 use super::joint::{Fresh, Joint};
 use super::media::Media;
 use super::source::Source;
+use super::strategies::Strategies;
 use super::vertex::{Kind, Vertex};
 use super::walk::{Heading, Walker, transmittance};
 use super::weights::{Density, Judged, Known, Made};
@@ -56,6 +57,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             position: None,
             end: None,
             kept: 1.0,
+            number: u32::MAX,
         });
     }
 
@@ -72,7 +74,8 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             return;
         }
         let lights = &self.walker.scene.lights;
-        let asks = !before.is_delta && strategies.plans(1, t - 1);
+        // Other lists may ask where this one does not.
+        let asks = !before.is_delta && (strategies.plans(1, t - 1) || paths.shares.is_some());
         let asked = if asks {
             let from = &before.point;
             let towards =
@@ -414,6 +417,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
 
     fn judged(&self, paths: &mut Subpaths, joint: &Joint, found: Found) -> Contribution {
         let strategies = &self.walker.plan.strategies;
+        let number = if paths.shares.is_some() { self.note_shares(paths, joint) } else { u32::MAX };
         let quick = if D::SCALAR { joint.quick_weight(paths, self.eye, strategies) } else { f64::NAN };
         let judged = if quick.is_nan() {
             paths.gather(joint, self.eye, strategies);
@@ -430,6 +434,26 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let Joint { s, t, .. } = *joint;
         let Found { estimate, position, end } = found;
         let estimate = estimate * (1.0 / judged.lane_mean) as f32;
-        Contribution { s, t, estimate, weight: judged.weight as f32, position, end, kept: 1.0 }
+        Contribution { s, t, estimate, weight: judged.weight as f32, position, end, kept: 1.0, number }
+    }
+
+    /// Notes what other lists of strategies would make of a path; its number comes back.
+    fn note_shares(&self, paths: &mut Subpaths, joint: &Joint) -> u32 {
+        let survival_of = |walk: &[Vertex], count: usize| {
+            walk[..count.min(walk.len())].last().map_or(1.0, |vertex| f64::from(vertex.survival))
+        };
+        let survival = survival_of(&paths.light, if joint.s > 1 { joint.s } else { 0 })
+            * survival_of(&paths.eye, if joint.t > 1 { joint.t } else { 0 });
+        paths.gather(joint, self.eye, &Strategies::ALL);
+        let made = Made {
+            vertices: &paths.known,
+            count: joint.s + joint.t,
+            from_light: joint.s,
+            asked: joint.asked,
+        };
+        let shares = made.shares::<D>(survival);
+        let all = paths.shares.get_or_insert_default();
+        all.push(shares);
+        all.len() as u32 - 1
     }
 }

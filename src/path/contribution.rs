@@ -1,6 +1,7 @@
 //! What a path contributes, and the subpaths that it came from.
 
 use super::fate::BothFates;
+use super::groups::Shares;
 use super::vertex::Vertex;
 use super::weights::Known;
 use crate::geometry::SurfacePoint;
@@ -23,6 +24,8 @@ pub struct Contribution {
     pub end: Option<End>,
     /// Probability with which the contribution was kept; the estimate is larger by its inverse.
     pub kept: f32,
+    /// Which of [`Subpaths::shares`] is of this path, where they are kept.
+    pub number: u32,
 }
 
 /// An end of a path that was found from its neighbour.
@@ -52,6 +55,9 @@ pub struct Subpaths {
     pub asked: f64,
     /// What became of all walks since this was last taken.
     pub fates: BothFates,
+    /// What other lists of strategies would make of the paths of the sample, where that is asked
+    /// for: it takes time.
+    pub shares: Option<Vec<Shares>>,
     pub(super) known: Vec<Known>,
     pub(super) proposals: Vec<Proposal>,
 }
@@ -69,5 +75,8 @@ impl Subpaths {
     pub fn clear(&mut self) {
         self.light.clear();
         self.eye.clear();
+        if let Some(shares) = &mut self.shares {
+            shares.clear();
+        }
     }
 }

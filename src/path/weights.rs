@@ -7,6 +7,7 @@
 //! them, which is what the balance heuristic over the hero makes of it (Wilkie et al. 2014),
 //! and between strategies the power heuristic decides (Veach 1997, equation 9.13).
 
+use super::groups::Shares;
 use super::strategies::Strategies;
 use super::vertex::Vertex;
 use crate::material::Quantity;
@@ -230,47 +231,75 @@ impl Made<'_> {
         let (light_side, eye_side) = (self.lanes_before(self.from_light), self.lanes_from(self.from_light));
         let lane_mean = D::relative(&light_side).times(D::relative(&eye_side)).mean();
         let own = lane_mean * lane_mean;
+        let (mut fewer, mut more) = (0.0, 0.0);
         let others = self
-            .fewer_from_light::<D>(strategies, &eye_side)
-            .and_then(|fewer| Some(fewer + self.more_from_light::<D>(strategies, &light_side)?));
+            .fewer_from_light::<D>(strategies, &eye_side, |_, squared| fewer += squared)
+            .and_then(|()| self.more_from_light::<D>(strategies, &light_side, |_, squared| more += squared))
+            .map(|()| fewer + more);
         // An unlisted sum is beyond any number.
         let weight = others.map_or(0.0, |others| own / (own + others));
         Judged { weight, lane_mean }
     }
 
-    /// Squared densities of strategies with fewer vertices from the light, relative to this
-    /// one's hero; `None` beyond the range.
-    fn fewer_from_light<D: Density>(&self, strategies: &Strategies, eye_side: &Spectrum) -> Option<f64> {
+    /// The densities of every strategy there is, relative to that of the one which made the path;
+    /// `survival` is the probability with which roulette has let it live.
+    pub fn shares<D: Density>(&self, survival: f64) -> Shares {
+        let (light_side, eye_side) = (self.lanes_before(self.from_light), self.lanes_from(self.from_light));
+        let own = D::relative(&light_side).times(D::relative(&eye_side)).mean().powi(2);
+        let mut shares = Shares::new(self.from_light, self.count - self.from_light, survival);
+        let mut note = |s: usize, squared: f64| shares.add(s, self.count - s, squared / own);
+        let within = self
+            .fewer_from_light::<D>(&Strategies::ALL, &eye_side, &mut note)
+            .and_then(|()| self.more_from_light::<D>(&Strategies::ALL, &light_side, &mut note));
+        if within.is_none() {
+            shares.set_beyond();
+        }
+        shares
+    }
+
+    /// Hands on the squared densities of strategies with fewer vertices from the light, relative
+    /// to this one's hero; `None` beyond the range.
+    #[inline]
+    fn fewer_from_light<D: Density>(
+        &self,
+        strategies: &Strategies,
+        eye_side: &Spectrum,
+        mut put: impl FnMut(usize, f64),
+    ) -> Option<()> {
         let (fewest, _) = strategies.span(self.count);
         let mut ratio = Ratio::new(D::relative(eye_side));
-        let mut sum = 0.0;
         for s in (fewest..self.from_light).rev() {
             let vertex = &self.vertices[s];
             let drawn = if s == 0 { self.first_drawn() } else { vertex.light.hero() };
             ratio.multiply(D::of(&vertex.eye).scaled(1.0 / drawn));
             if self.is_open(strategies, s) {
-                sum += ratio.squared(D::relative(&self.lanes_before(s)).scaled(self.asked_instead(s)))?;
+                put(s, ratio.squared(D::relative(&self.lanes_before(s)).scaled(self.asked_instead(s)))?);
             }
         }
-        Some(sum)
+        Some(())
     }
 
     /// The same for strategies with more vertices from the light.
-    fn more_from_light<D: Density>(&self, strategies: &Strategies, light_side: &Spectrum) -> Option<f64> {
+    #[inline]
+    fn more_from_light<D: Density>(
+        &self,
+        strategies: &Strategies,
+        light_side: &Spectrum,
+        mut put: impl FnMut(usize, f64),
+    ) -> Option<()> {
         let (_, most) = strategies.span(self.count);
         let mut ratio = Ratio::new(D::relative(light_side));
         if self.from_light == 1 {
             ratio.multiply(D::ONE.scaled(self.vertices[0].light.hero() / self.asked));
         }
-        let mut sum = 0.0;
         for s in self.from_light + 1..=most {
             let vertex = &self.vertices[s - 1];
             ratio.multiply(D::of(&vertex.light).scaled(1.0 / vertex.eye.hero()));
             if self.is_open(strategies, s) {
-                sum += ratio.squared(D::relative(&self.lanes_from(s)).scaled(self.asked_instead(s)))?;
+                put(s, ratio.squared(D::relative(&self.lanes_from(s)).scaled(self.asked_instead(s)))?);
             }
         }
-        Some(sum)
+        Some(())
     }
 
     /// What a strategy draws the light's own vertex with, over the density of a subpath from

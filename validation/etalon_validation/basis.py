@@ -59,7 +59,7 @@ class Renderer:
 
     def render(self, source, size, seed, output):
         """Renders a scene file to an EXR and reads it."""
-        command = [self.program, "render", source, "-o", output, "--spp", self.spp, "--seed", seed, "--resolution", f"{size[0]}x{size[1]}"]
+        command = [self.program, "render", source, "-o", output, "--integrator", "path", "--spp", self.spp, "--seed", seed, "--resolution", f"{size[0]}x{size[1]}"]
         if self.threads:
             command += ["--threads", self.threads]
         done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)

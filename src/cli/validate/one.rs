@@ -3,6 +3,8 @@
 use super::Arguments;
 use super::cases::{Against, Case};
 use super::{peers, photographs};
+use crate::cli::arguments::Algorithm;
+use crate::cli::auto;
 use crate::cli::print;
 use crate::cli::render::{Files, render_to_files};
 use etalon::error::{Error, Result};
@@ -127,14 +129,15 @@ fn render(case: &Case, arguments: &Arguments) -> anyhow::Result<Rendered> {
     let since = Stopwatch::start();
     let scene = Scene::load(&folder.join("scene.json"))?;
     let mut effort = arguments.effort.clone();
-    effort.integrator.get_or_insert(case.integrator);
+    effort.integrator.get_or_insert(Algorithm::Named(case.integrator));
     if case.against == Against::Peer {
         effort.resolution.get_or_insert(peers::RESOLUTION);
     }
     let view = effort.resize(scene.view()?);
     let (exr, png) = (output.join("render.exr"), output.join("render.png"));
     let spp = case.samples_per_pixel;
-    let files = Files { exr: &exr, png: Some(&png), layers: Layers::default(), since, keeping: None };
+    let (effort, choice) = auto::settle(&scene, &view, &effort, spp, None)?;
+    let files = Files { exr: &exr, png: Some(&png), layers: Layers::default(), since, keeping: None, choice };
     let facts = render_to_files(&scene, &view, &effort, spp, &files)?;
     let samples_per_pixel = facts.samples_per_pixel;
     print(&format!(

@@ -23,6 +23,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         (arguments.force_registration, "--force-registration"),
         (effort.seed != 0, "--seed"),
         (effort.integrator.is_some(), "--integrator"),
+        (effort.groups.is_some(), "--groups"),
         (effort.error.is_some(), "--error"),
         (effort.time.is_some(), "--time"),
         (effort.threads.is_some(), "--threads"),
