@@ -43,8 +43,8 @@ pub const SMALL: [(fn() -> Value, &str); 21] = [
     (common::camera_in_absorbing_glass, "-media +light-to-eye"),
     (common::smooth_normals, "+light-to-eye"),
     (common::ball, "+light-to-eye"),
-    // Its glass both absorbs and disperses; some of its point lights are in view.
-    (common::many_lamps, "-lane-densities -media -lamp-choice"),
+    // Its glass both absorbs and disperses; its point lights hang above the picture.
+    (common::many_lamps, "-lane-densities -media -lamp-choice +light-to-eye"),
     (scenes::band, "+light-to-eye"),
     (scenes::lines, "+light-to-eye"),
     (scenes::chart, "-direct-asks-eye +joins +asks-eye +light-to-eye"),
