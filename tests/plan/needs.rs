@@ -23,10 +23,13 @@ const MATTE: [&str; 8] = [
     "meets-eye",
 ];
 
+/// A scene, and what it needs.
+type Needs = (fn() -> Value, &'static str);
+
 /// Every small scene: what differs from [`MATTE`], `+` for what is left out besides, `-` for what
 /// is needed here.
 #[rustfmt::skip]
-pub const SMALL: [(fn() -> Value, &str); 21] = [
+pub const SMALL: [Needs; 21] = [
     (common::diffuse, "+light-to-eye"),
     (common::glossy, "+light-to-eye"),
     (common::glass, "+light-to-eye"),
