@@ -128,7 +128,7 @@ fn in_one_plane(scene: &Scene) -> bool {
         scatters(&scene.materials[object.material as usize])
     };
     let mut plane: Option<(DVec3, DVec3)> = None;
-    for index in (0..geometry.primitive_count() as u32).filter(is_seen) {
+    for index in (0..geometry.primitive_count()).filter(is_seen) {
         let primitive = geometry.primitive(index);
         let Some(normal) = primitive.flat_normal() else { return false };
         let normal = normal.as_dvec3();
