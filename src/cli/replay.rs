@@ -150,7 +150,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Some(file) => read(file, &scene)?,
         None => Known::default(),
     };
-    let Chosen { name, regular_size } = chosen(arguments, &known, &scene)?;
+    let Chosen { name, regular_size } = chosen(arguments, &known)?;
     let text = match &name {
         SampleName::Pixel(sample) => {
             let view = view(arguments, &known, &scene)?;
@@ -220,7 +220,7 @@ struct Chosen {
 }
 
 /// The sample that is asked for.
-fn chosen(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<Chosen> {
+fn chosen(arguments: &Arguments, known: &Known) -> Result<Chosen> {
     if let Some(meter) = &arguments.meter {
         let (seed, regular) = in_file(arguments, of_the_readings(arguments, known))?;
         let (block_size, regular_size) = in_file(arguments, size(arguments, regular))?;
@@ -233,8 +233,7 @@ fn chosen(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<Chosen>
             return Err(Error::new("chains have no samples of a pixel")
                 .hint("use --integrator bdpt, or --from FILE --sample N"));
         }
-        let splats = splats(arguments, known, scene)?;
-        let (seed, regular) = in_file(arguments, of_the_render(arguments, known, splats))?;
+        let (seed, regular) = in_file(arguments, of_the_render(arguments, known))?;
         let (block_size, regular_size) = in_file(arguments, size(arguments, regular))?;
         let Arguments { block, index, .. } = *arguments;
         let sample = PixelSample { pixel, seed, block, block_size, index, direct_light: false };
@@ -277,15 +276,10 @@ fn of_the_readings(arguments: &Arguments, known: &Known) -> Result<(u64, std::re
     Ok((seed, if is_there { Ok(size) } else { Err(BATCHES as u64) }))
 }
 
-/// The seed of a picture's samples, and the size of the block or the number of blocks; `splats` where
-/// its pixels share paths.
-fn of_the_render(
-    arguments: &Arguments,
-    known: &Known,
-    splats: bool,
-) -> Result<(u64, std::result::Result<u32, u64>)> {
+/// The seed of a picture's samples, and the size of the block or the number of blocks.
+fn of_the_render(arguments: &Arguments, known: &Known) -> Result<(u64, std::result::Result<u32, u64>)> {
     if arguments.from.is_none() {
-        return Ok((arguments.seed.unwrap_or(0), Ok(block_size(super::render::DEFAULT_SPP, splats))));
+        return Ok((arguments.seed.unwrap_or(0), Ok(block_size(super::render::DEFAULT_SPP))));
     }
     if known.samples_per_pixel == 0 {
         return Err(Error::new("it is of readings and has no picture").hint("give --meter NAME"));
@@ -307,7 +301,7 @@ fn of_the_render(
         }
     };
     let seed = arguments.seed.unwrap_or_else(|| budget.seed_of(half));
-    Ok((seed, size_of_block(&budget, splats, samples, arguments.block)))
+    Ok((seed, size_of_block(&budget, samples, arguments.block)))
 }
 
 /// A sample that was not finite.
@@ -371,14 +365,6 @@ fn plan(arguments: &Arguments, known: &Known, scene: &Scene, view: &View) -> Res
     let strategies = Selection { integrator, groups }.strategies();
     let plan = Plan::under(scene, &view.sensor, strategies, &leaving(arguments, known));
     Ok(Plan { most_bounces: known.max_bounces, ..plan })
-}
-
-/// Whether the pixels of the render shared paths, by the algorithm that it was made with.
-fn splats(arguments: &Arguments, known: &Known, scene: &Scene) -> Result<bool> {
-    let view = view(arguments, known, scene)?;
-    let rendered_by = known.integrator.as_deref().and_then(Integrator::named);
-    let by = rendered_by.map_or_else(|| integrator(arguments, known), Ok)?;
-    Ok(Plan::of(scene, &view.sensor, by.strategies()).strategies.splats())
 }
 
 fn pixel(text: &str) -> std::result::Result<[u32; 2], String> {

@@ -110,8 +110,7 @@ impl Stated {
         let spp = self.samples_per_pixel?;
         let blocks = match self.integrator.as_deref()? {
             "mlt" => BLOCKS_OF_CHAINS.min(spp),
-            // Files that do not state it are of programs that gave all others as few blocks as path.
-            _ => spp.div_ceil(u64::from(block_size(spp, false))),
+            _ => spp.div_ceil(u64::from(block_size(spp))),
         };
         (blocks >= 2).then_some((blocks as f64, false))
     }

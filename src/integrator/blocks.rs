@@ -20,10 +20,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Samples of one block: enough for stratification to pay, few enough for the number of
 /// blocks to give a variance.
 const BLOCK_SAMPLES: u32 = 16;
-/// Blocks that a render has at least, where it has as many samples: of pixels that know of no other,
-/// and of pixels that share paths, so that what they share is known from as many blocks.
+/// Blocks that a render has at least, where it has as many samples.
 const FEWEST_BLOCKS: u32 = 4;
-const FEWEST_BLOCKS_OF_SPLATS: u32 = 16;
 
 /// Independent samples under a plan.
 pub(super) struct Samples<'a> {
@@ -40,7 +38,7 @@ impl Source for Samples<'_> {
     }
 
     fn block_size(&self, budget: &Budget, taken: u64, _block: u32) -> u64 {
-        next_block_size(budget, self.plan.strategies.splats(), taken)
+        next_block_size(budget, taken)
     }
 
     fn block(&self, gathered: &mut Gathered, block: &BlockOf, report_share: &(dyn Fn(f64) + Sync)) {
@@ -53,32 +51,30 @@ impl Source for Samples<'_> {
     }
 }
 
-/// Samples of the next block; `splats` where pixels share paths. Where it is open how many there will be, blocks double from one, so
+/// Samples of the next block. Where it is open how many there will be, blocks double from one, so
 /// that even a short run holds several.
-fn next_block_size(budget: &Budget, splats: bool, taken: u64) -> u64 {
-    let fewest = if splats { FEWEST_BLOCKS_OF_SPLATS } else { FEWEST_BLOCKS };
-    let fitting = if budget.is_open() { taken } else { budget.samples_per_pixel / u64::from(fewest) };
+fn next_block_size(budget: &Budget, taken: u64) -> u64 {
+    let fitting = if budget.is_open() { taken } else { budget.samples_per_pixel / u64::from(FEWEST_BLOCKS) };
     fitting.clamp(1, u64::from(BLOCK_SAMPLES))
 }
 
-/// Samples of a whole block of a render that is told its samples per pixel; `splats` where pixels
-/// share paths.
-pub fn block_size(samples_per_pixel: u64, splats: bool) -> u32 {
+/// Samples of a whole block of a render that is told its samples per pixel.
+pub fn block_size(samples_per_pixel: u64) -> u32 {
     let left = Budget { samples_per_pixel, time: None, error: None, seed: 0 };
-    next_block_size(&left, splats, 0).min(samples_per_pixel.max(1)) as u32
+    next_block_size(&left, 0).min(samples_per_pixel.max(1)) as u32
 }
 
 /// Samples of one block of a run of independent samples, or of one of its halves, that has taken
-/// so many samples per pixel; `splats` where pixels share paths.
+/// so many samples per pixel.
 ///
 /// # Errors
 /// The number of blocks that were taken, where the block is none of them.
-pub fn size_of_block(budget: &Budget, splats: bool, samples_per_pixel: u64, number: u32) -> Result<u32, u64> {
+pub fn size_of_block(budget: &Budget, samples_per_pixel: u64, number: u32) -> Result<u32, u64> {
     // Blocks grow up to this size; only the last one may be smaller again.
-    let whole = next_block_size(budget, splats, u64::MAX);
+    let whole = next_block_size(budget, u64::MAX);
     let (mut taken, mut before) = (0, 0);
     while taken < samples_per_pixel {
-        let size = next_block_size(budget, splats, taken).min(samples_per_pixel - taken);
+        let size = next_block_size(budget, taken).min(samples_per_pixel - taken);
         if before == u64::from(number) {
             return Ok(size as u32);
         }
@@ -236,10 +232,10 @@ mod tests {
     use super::*;
 
     /// Sizes of the blocks that the loop of a run takes.
-    fn taken(budget: &Budget, splats: bool) -> Vec<u32> {
+    fn taken(budget: &Budget) -> Vec<u32> {
         let (mut sizes, mut taken) = (Vec::new(), 0);
         while taken < budget.most_of_half() {
-            let size = next_block_size(budget, splats, taken).min(budget.most_of_half() - taken);
+            let size = next_block_size(budget, taken).min(budget.most_of_half() - taken);
             sizes.push(size as u32);
             taken += size;
         }
@@ -248,24 +244,23 @@ mod tests {
 
     #[test]
     fn blocks_have_the_sizes_that_runs_take() {
-        for (error, splats) in [(None, false), (None, true), (Some(0.01), false), (Some(0.01), true)] {
+        for error in [None, Some(0.01)] {
             for samples_per_pixel in (1..=130).chain([1000, 1001]) {
                 let budget = Budget { samples_per_pixel, time: None, error, seed: 0 };
-                let sizes = taken(&budget, splats);
+                let sizes = taken(&budget);
                 for (number, size) in (0..).zip(&sizes) {
-                    let found = size_of_block(&budget, splats, budget.most_of_half(), number);
+                    let found = size_of_block(&budget, budget.most_of_half(), number);
                     assert_eq!(found, Ok(*size), "block {number} of {budget:?}");
                 }
                 for beyond in [sizes.len() as u32, u32::MAX] {
-                    let found = size_of_block(&budget, splats, budget.most_of_half(), beyond);
+                    let found = size_of_block(&budget, budget.most_of_half(), beyond);
                     assert_eq!(found, Err(sizes.len() as u64), "{budget:?}");
                 }
             }
         }
         let fifty = Budget { samples_per_pixel: 50, time: None, error: None, seed: 0 };
-        assert_eq!(taken(&fifty, false), [12, 12, 12, 12, 2]);
-        assert_eq!(taken(&fifty, true), [[3; 16].as_slice(), &[2]].concat());
+        assert_eq!(taken(&fifty), [12, 12, 12, 12, 2]);
         let open = Budget { samples_per_pixel: 100, error: Some(0.1), ..fifty };
-        assert_eq!(taken(&open, true), [1, 1, 2, 4, 8, 16, 16, 2]);
+        assert_eq!(taken(&open), [1, 1, 2, 4, 8, 16, 16, 2]);
     }
 }
