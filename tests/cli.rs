@@ -824,7 +824,8 @@ fn rendering_off_a_terminal_is_silent_but_for_a_line_and_the_conditions() {
         ["render".as_ref(), "reference/cornell/scene.json".as_ref(), "-o".as_ref(), output.as_os_str()];
     let options = ["--resolution", "32x32", "--spp", "8"].map(str::as_ref);
     let said = succeed(arguments.into_iter().chain(options));
-    let [line, conditions] = said.lines().collect::<Vec<_>>()[..] else { panic!("{said}") };
+    let [picked, line, conditions] = said.lines().collect::<Vec<_>>()[..] else { panic!("{said}") };
+    assert!(picked.starts_with("auto: path: "), "{said}");
     assert!(line.contains("8 samples per pixel"), "{said}");
     assert_eq!(conditions, "conditions 1 extreme: dark_range; `etalon check --explain` tells more");
 }

@@ -94,6 +94,10 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         view.sensor = view.sensor.with_spectral_layers(usize::from(count));
     }
     let layers = Layers { linear_srgb: arguments.linear_srgb };
+    if let Some(folder) = &arguments.strategies {
+        strategies::prepare(folder)?;
+        memory::check(&view, strategies::FILMS * memory::NUMBERS_OF_SAMPLES)?;
+    }
     let (settled, choice) =
         auto::settle(&scene, &view, &arguments.effort, DEFAULT_SPP, Some(&arguments.keeping))?;
     if arguments.strategies.is_some() && settled.integrator() == Integrator::Mlt {
@@ -106,10 +110,6 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     if arguments.strict && !plan.unreachable.is_empty() {
         eprintln!("error: {}: {}", arguments.scene.display(), missing(&plan, effort.integrator()));
         return Ok(ExitCode::from(3));
-    }
-    if let Some(folder) = &arguments.strategies {
-        strategies::prepare(folder)?;
-        memory::check(&view, strategies::FILMS * memory::NUMBERS_OF_SAMPLES)?;
     }
     let files = Files {
         exr: &arguments.output,

@@ -274,7 +274,7 @@ pub fn wavelengths_are_dropped_once_on_both_sides_of_a_joint(record: &mut Record
         "camera": { "position": [0, 0.6, -2.6], "look_at": [0, 0.15, 0], "up": [0, 1, 0], "focal_length_mm": 50,
             "sensor_mm": [20, 10], "resolution": [4, 2], "iso": 100, "shutter_s": 0.01, "f_stop": 8 },
     }));
-    let means = [(Integrator::Path, 768), (Integrator::Bdpt, 640), (Integrator::Mlt, 2048)].map(
+    let means = [(Integrator::Path, 768), (Integrator::Bdpt, 704), (Integrator::Mlt, 2304)].map(
         |(integrator, spp)| {
             (integrator.name(), picture_xyz(&films(&scene, integrator, record.samples(spp), record.seed())))
         },
