@@ -116,10 +116,15 @@ fn path_tracing_knows_its_error() {
     assert!(films.iter().all(|film| !film.is_correlated()));
 }
 
+/// Pixels share paths: as if they shared nothing, the error of the whole picture would be wrong.
 #[test]
 fn light_tracing_knows_its_error() {
     let films = examine(Integrator::Light);
     assert!(films.iter().all(|film| film.is_correlated() && film.blocks() >= 16));
+    let [scatter, _, naive] = whole(&films);
+    let law = FisherSnedecor::new(RUNS as f64 - 1.0, RUNS as f64 * 15.0).expect("a law");
+    let [low, high] = [ALARM, 1.0 - ALARM].map(|p| law.inverse_cdf(p));
+    assert!(!(low..=high).contains(&(scatter / naive)), "{scatter} against {naive}");
 }
 
 #[test]
@@ -128,14 +133,8 @@ fn bidirectional_path_tracing_knows_its_error() {
     assert!(films.iter().all(|film| film.is_correlated() && film.blocks() >= 16));
 }
 
-/// Pixels share chains and their level: as if they shared nothing, the error of the whole picture would
-/// be wrong.
 #[test]
 fn chains_know_their_error() {
     let films = examine(Integrator::Mlt);
     assert!(films.iter().all(|film| film.is_correlated() && film.blocks() >= 16));
-    let [scatter, _, naive] = whole(&films);
-    let law = FisherSnedecor::new(RUNS as f64 - 1.0, RUNS as f64 * 15.0).expect("a law");
-    let [low, high] = [ALARM, 1.0 - ALARM].map(|p| law.inverse_cdf(p));
-    assert!(!(low..=high).contains(&(scatter / naive)), "{scatter} against {naive}");
 }
