@@ -138,8 +138,9 @@ def study(chosen, scene, folder):
     }
     if peers:
         facts["peers"] = peers_in_report(peers, reference)
-    finish(folder, made)
     paths = write(folder, facts, reference, reports)
+    # Not before: whatever keeps a report from being written, what was measured is there for the next try.
+    finish(folder, made)
     for line in [*describe(reports, reference), *(peer.sentence for peer in peers)]:
         say(line)
     say("written: " + ", ".join(str(path) for path in paths))

@@ -14,13 +14,14 @@ from unittest import mock
 import numpy as np
 from scipy import stats
 
-from etalon_validation import converge_baseline, converge_runs, converge_study
+from etalon_validation import converge_baseline, converge_report, converge_runs, converge_study
 from etalon_validation.cli import main
 from etalon_validation.converge_baseline import Pairs, judge, measure
 from etalon_validation.converge_data import read_runs
 from etalon_validation.converge_reference import pooled_reference
 from etalon_validation.converge_runs import Job, Made, budgets, run_process, try_out
-from etalon_validation.converge_study import Asked, make_all, order, prepared, series_of
+from etalon_validation.converge_study import Asked, finish, make_all, order, prepared, series_of
+from etalon_validation.errors import InputError
 
 from .convergence import truth
 
@@ -39,7 +40,7 @@ class MadeUp:
         self.asked.append((integrator, spp, seed))
         each, setup = SECONDS[integrator]
         noise = np.random.default_rng(seed).normal(size=truth().shape)
-        facts = {"integrator": integrator, "times": {"render": {"cpu_s": each * spp, "wall_s": each * spp / 2}, "pilot": None}}
+        facts = {"integrator": integrator, "version": "0", "scene": "scene", "scene_hash": "a1", "times": {"render": {"cpu_s": each * spp, "wall_s": each * spp / 2}, "pilot": None}}
         return Made((truth() * (1 + noise / np.sqrt(spp))).astype(np.float32), setup + each * spp, 1.0, facts)
 
 
@@ -108,6 +109,49 @@ class Study(unittest.TestCase):
         before = len(self.program.asked)
         self.made()
         self.assertGreater(len(self.program.asked) - before, 60)
+
+    def test_files_of_the_user_stay_and_a_folder_of_his_is_refused(self):
+        (self.folder / "pictures").mkdir()
+        mine = self.folder / "pictures" / "mine.npy"
+        mine.write_bytes(b"mine")
+        plan, made = self.made()
+        self.assertEqual(len(list(mine.parent.glob("*.npy"))), 1 + len(made))
+        self.asked = dataclasses.replace(self.asked, budget_s=3.5)
+        _, made = self.made()
+        finish(self.folder, made)
+        self.assertEqual([file.name for file in mine.parent.iterdir()], ["mine.npy"])
+        self.assertFalse((self.folder / "plan.json").exists())
+        # Its own table is a study's.
+        prepared(self.asked, self.job, self.folder)
+        asked = len(self.program.asked)
+        for name, content in (("runs.csv", "cpu_seconds,file\n1,a.exr\n"), ("runs.csv", ""), ("plan.json", "{}"), ("plan.json", "my plan")):
+            folder = self.folder / "other"
+            folder.mkdir(exist_ok=True)
+            (folder / name).write_text(content)
+            with self.assertRaisesRegex(InputError, f"{name}: is not the"):
+                prepared(self.asked, self.job, folder)
+            self.assertEqual((folder / name).read_text(), content)
+            (folder / name).unlink()
+        self.assertEqual(len(self.program.asked), asked)
+
+    def test_a_list_that_names_other_files_removes_none(self):
+        _, made = self.made()
+        kept = self.folder / "kept.npy"
+        kept.write_bytes(b"kept")
+        finish(self.folder, [*made, dataclasses.replace(made[0], file="kept.npy"), dataclasses.replace(made[0], file="pictures/../kept.npy")])
+        self.assertTrue(kept.exists())
+
+    def test_what_was_measured_outlives_a_report_that_cannot_be_written(self):
+        words = ["converge", str(self.scene), "--program", str(self.scene), "--integrators", "path,bdpt", "--budget", "4", "--points", "3", "--repeats", "5", "-o", str(self.folder / "out")]
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            with mock.patch.object(converge_report, "plot", side_effect=OSError(28, "No space left on device")):
+                self.assertNotEqual(main(words), 0)
+            asked = len(self.program.asked)
+            self.assertEqual(main(words), 0, said.getvalue())
+        self.assertEqual(len(self.program.asked), asked)
+        self.assertTrue((self.folder / "out" / "converge.png").is_file())
+        self.assertFalse((self.folder / "out" / "pictures").exists())
 
     def test_runs_and_pictures_stay_together(self):
         plan, made = self.made()
