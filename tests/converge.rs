@@ -118,7 +118,7 @@ fn wrong_arguments_are_one_line() {
         (&[][..], "no scene is named"),
         (&["no-such.json"][..], "no such file"),
         (&[SCENE, "--baseline", SCENE][..], "is a report and no program"),
-        (&[SCENE, "--reference", "no-such.exr"][..], "no such render"),
+        (&[SCENE, "--reference", "no-such.exr"][..], "no such picture"),
     ] {
         let output = converge(&folder, words);
         let said = text(&output.stderr);

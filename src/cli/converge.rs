@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Independent runs of each budget; with --baseline pairs of runs
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(5..=1000))]
     repeats: u32,
-    /// Picture with little noise, an EXR with Y in cd/m2; without it each run is judged by the others
+    /// Picture of the scene with little noise, an EXR whose unit is known; without it each run is judged by the others
     #[arg(long, value_name = "REF.exr", conflicts_with = "baseline")]
     reference: Option<PathBuf>,
     /// Size of the pictures instead of the reference's or the scene's, as WIDTHxHEIGHT

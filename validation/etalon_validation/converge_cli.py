@@ -33,7 +33,7 @@ def add_converge(commands):
     command.add_argument("--budget", type=positive_number, help=f"CPU seconds of the largest runs; default {BUDGET_S:g}, with --baseline {BASELINE_BUDGET_S:g}")
     command.add_argument("--points", type=int, default=POINTS, help="doubling budgets")
     command.add_argument("--repeats", type=int, default=REPEATS, help="independent runs of each budget, or pairs")
-    command.add_argument("--reference", type=Path, help="EXR with Y in cd/m2; without it a run is judged by the other runs")
+    command.add_argument("--reference", type=Path, help="EXR of the scene whose unit is known; without it a run is judged by the other runs")
     command.add_argument("--resolution", type=resolution, help="WxH; default the reference's, or the scene's own")
     command.add_argument("--threads", type=int, help="threads of each run; default all processors")
     command.add_argument("--baseline", type=Path, help="the program of an earlier commit")
@@ -78,6 +78,8 @@ def run_converge(chosen):
         read_table(peer.name, peer.file)
     if chosen.peers and (chosen.baseline or len(chosen.scenes) > 1):
         raise InputError("--peer", "goes with one scene, and not with --baseline", "name the scene that it shows")
+    if chosen.reference and len(chosen.scenes) > 1:
+        raise InputError("--reference", "is a picture of one scene", "name that scene alone, or leave the reference out")
     chosen.program = chosen.program.resolve()
     for scene in chosen.scenes:
         read_json(scene, "give a scene")
@@ -107,7 +109,7 @@ def say(line):
 def study(chosen, scene, folder):
     """One scene: runs, reports and plot into its folder, those of other renderers beside them."""
     from .converge_analysis import analyse
-    from .converge_reference import pooled_reference, read_reference, seed_of
+    from .converge_reference import pooled_reference, read_reference
     from .converge_report import describe, write
     from .converge_runs import Job, machine
     from .converge_study import Asked, finish, make_all, prepared, series_of
@@ -117,12 +119,12 @@ def study(chosen, scene, folder):
     reference = read_reference(chosen.reference, size) if chosen.reference else None
     resolution = chosen.resolution or ("{1}x{0}".format(*reference.luminance.shape) if reference else None)
     # A run with the reference's seed might share its random numbers.
-    taken = seed_of(chosen.reference) if reference else ()
+    taken = reference.seeds if reference else ()
     job = Job(scene, resolution, chosen.threads)
     asked = Asked(chosen.program, chosen.names, chosen.budget or BUDGET_S, chosen.points, chosen.repeats)
     folder.mkdir(parents=True, exist_ok=True)
     before, date = machine(), datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
-    plan = prepared(asked, job, folder, taken)
+    plan = prepared(asked, job, folder, taken, reference.check_scene if reference else lambda _facts: None)
     if reference is not None:
         reference = read_reference(chosen.reference, plan["size"])
     # Before runs that may take hours.

@@ -18,12 +18,13 @@ from etalon_validation import converge_baseline, converge_report, converge_runs,
 from etalon_validation.cli import main
 from etalon_validation.converge_baseline import Pairs, judge, measure
 from etalon_validation.converge_data import read_runs
-from etalon_validation.converge_reference import pooled_reference
+from etalon_validation.converge_reference import pooled_reference, read_reference
 from etalon_validation.converge_runs import Job, Made, budgets, run_process, try_out
 from etalon_validation.converge_study import Asked, finish, make_all, order, prepared, series_of
 from etalon_validation.errors import InputError
 
 from .convergence import truth
+from .peer_files import write_exr
 
 # CPU seconds of a sample per pixel, and before the first.
 SECONDS = {"path": (0.01, 0.1), "bdpt": (0.03, 0.1), "mlt": (0.02, 2.0), "slow": (30.0, 0.1)}
@@ -152,6 +153,35 @@ class Study(unittest.TestCase):
         self.assertEqual(len(self.program.asked), asked)
         self.assertTrue((self.folder / "out" / "converge.png").is_file())
         self.assertFalse((self.folder / "out" / "pictures").exists())
+
+    def test_a_reference_of_another_scene_or_without_unit_is_refused(self):
+        file, rgb = self.folder / "reference.exr", {name: truth() for name in "RGB"}
+        other = self.folder / "other.json"
+        other.write_text("{}")
+        words = [str(self.scene), "--program", str(self.scene), "--integrators", "path", "--budget", "4", "--points", "3", "--repeats", "5", "-o", str(self.folder / "out")]
+
+        def said(*more):
+            text = io.StringIO()
+            with contextlib.redirect_stdout(text), contextlib.redirect_stderr(text):
+                code = main(["converge", *more, *words, "--reference", str(file)])
+            return code, text.getvalue()
+
+        self.assertRegex(said()[1], "no such picture; give an EXR by any renderer")
+        for channels, attributes, problem in (
+            ({"Y": truth()}, {}, "does not say its unit"), (rgb, {}, "does not say its unit"), ({"Z": truth()}, {"whiteLuminance": 1.0}, "has the channels Z"),
+            ({"Y": truth()}, {"etalon": json.dumps({"scene_hash": "b2"})}, r"shows another scene \(b2\) than the runs \(a1\)"),
+        ):
+            write_exr(file, channels, **attributes)
+            code, text = said()
+            self.assertEqual((code, text.count("\n")), (2, 1), text)
+            self.assertRegex(text, problem)
+        write_exr(file, {"Y": truth()}, etalon=json.dumps({"scene_hash": "a1", "seed": 3}))
+        self.assertRegex(said(str(other))[1], "--reference: is a picture of one scene")
+        self.assertEqual(said()[0], 0)
+        self.assertNotIn(3, [run.seed for run in read_runs(self.folder / "out" / "runs.csv")])
+        # R = G = B = 1 is 2 cd/m2: the same picture as R, G, B of half the values.
+        write_exr(file, {name: truth() / 2 for name in "RGB"}, whiteLuminance=2.0)
+        np.testing.assert_allclose(read_reference(file).luminance, truth(), rtol=1e-5)
 
     def test_runs_and_pictures_stay_together(self):
         plan, made = self.made()
