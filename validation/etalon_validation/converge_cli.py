@@ -109,7 +109,8 @@ def say(line):
 def study(chosen, scene, folder):
     """One scene: runs, reports and plot into its folder, those of other renderers beside them."""
     from .converge_analysis import analyse
-    from .converge_reference import pooled_reference, read_reference
+    from .converge_pool import pooled_reference
+    from .converge_reference import read_reference
     from .converge_report import describe, write
     from .converge_runs import Job, machine
     from .converge_study import Asked, finish, make_all, prepared, series_of

@@ -125,14 +125,16 @@ def cell(series):
     if series is None:
         return ""
     both = " / ".join(ratio(series[name]) for name in ("ratio_to_best", "ratio_to_best_trimmed"))
-    flags = [flag["name"] for flag in series["flags"] if flag["name"] in ("heavy tail", "bias floor")]
+    flags = [flag["name"] for flag in series["flags"] if flag["name"] in ("heavy tail", "bias floor", "disagreement", "few repeats")]
     return both + (f" ({', '.join(flags)})" if flags else "")
 
 
 def ratio(estimate):
-    """A ratio and its interval."""
+    """A ratio and its interval; a dash for what is not known of either."""
     if estimate is None:
         return "-"
+    if estimate["high"] is None:
+        return f"{estimate['value']:.2g} [-]"
     if estimate["value"] == estimate["low"] == estimate["high"] == 1:
         return "**1**"
     return f"{estimate['value']:.2g} [{estimate['low']:.2g}, {estimate['high']:.2g}]"

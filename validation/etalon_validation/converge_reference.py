@@ -17,8 +17,6 @@ from .photograph import sha256_of
 
 # Share of the mean luminance whose square keeps dark pixels from counting without bound.
 FLOOR_SHARE = 0.01
-# With fewer repeats of a budget nothing scatters once a run is left out.
-FEWEST_REPEATS = 3
 
 
 def divisor_of(luminance):
@@ -162,33 +160,3 @@ class PooledReference:
         """What reports say of it."""
         relative = float((self.variance / divisor_of(self.luminance)).mean())
         return {"kind": "pool", "series": self.series, "runs": len(self.images), "noise": "scatter of its runs", "relative_variance": relative}
-
-
-def pooled_reference(series_list):
-    """All runs of the series that scatters least at its largest budget, of those that can make every path that carries light.
-
-    Foreign series are no part of it. `InputError` where no series can serve.
-    """
-    able = [series for series in series_list if not series.is_foreign and not series.missing] or [series for series in series_list if not series.is_foreign]
-    able = [series for series in able if min(len(series.at(point)) for point in series.points) >= FEWEST_REPEATS]
-    if not able:
-        raise InputError("--reference", "is missing, and there are no runs to judge others by", f"give a picture with little noise, or at least {FEWEST_REPEATS} repeats by this program")
-    largest = [series.images[series.at(series.points[-1])] for series in able]
-    plain = np.mean([images.mean(axis=0, dtype=float) for images in largest], axis=0)
-    if not plain.mean() > 0:
-        raise InputError("the runs", "found no light", "give a larger --budget")
-    scatter = [float((images.var(axis=0, ddof=1, dtype=float) / divisor_of(plain)).mean()) for images in largest]
-    if not max(scatter) > 0:
-        raise InputError("the runs", "all show the same picture", "take a scene that is rendered with noise")
-    best = able[int(np.argmin([value if value > 0 else np.inf for value in scatter]))]
-    # Weights are what a budget was to take, not what was drawn: they may not follow pictures.
-    points = np.array([run.point for run in best.runs])
-    weights = np.array([weight_of(best, run) for run in best.runs])
-    return PooledReference(best.name, best.images, points, weights)
-
-
-def weight_of(series, run):
-    """A run's samples per pixel, or the mean CPU seconds of its budget where samples are not known."""
-    if run.spp is not None:
-        return float(run.spp)
-    return float(np.mean([series.runs[index].cpu_s for index in series.at(run.point)]))

@@ -18,7 +18,8 @@ from etalon_validation import converge_baseline, converge_report, converge_runs,
 from etalon_validation.cli import main
 from etalon_validation.converge_baseline import Pairs, judge, measure
 from etalon_validation.converge_data import read_runs
-from etalon_validation.converge_reference import pooled_reference, read_reference
+from etalon_validation.converge_pool import pooled_reference
+from etalon_validation.converge_reference import read_reference
 from etalon_validation.converge_runs import Job, Made, budgets, run_process, try_out
 from etalon_validation.converge_study import Asked, finish, make_all, order, prepared, series_of
 from etalon_validation.errors import InputError
