@@ -38,6 +38,7 @@ def add_converge(commands):
     command.add_argument("--threads", type=int, help="threads of each run; default all processors")
     command.add_argument("--baseline", type=Path, help="the program of an earlier commit")
     command.add_argument("--factor", type=positive_number, default=FACTOR, help="by how much efficiency may fall")
+    command.add_argument("--allow-difference", action="store_true", help="with --baseline: pictures that differ beyond noise are no failure")
     command.add_argument("--peer", action="append", metavar="NAME=FILE.csv", help="another renderer's pictures: a table with the columns cpu_seconds,file")
     command.add_argument("--peer-scale", action="append", metavar="NAME=K", help="cd/m2 per unit of its files, where they do not say")
     command.add_argument("--peer-reference", action="append", metavar="NAME=REF.exr", help="its own converged picture")
@@ -78,6 +79,8 @@ def run_converge(chosen):
         read_table(peer.name, peer.file)
     if chosen.peers and (chosen.baseline or len(chosen.scenes) > 1):
         raise InputError("--peer", "goes with one scene, and not with --baseline", "name the scene that it shows")
+    if chosen.allow_difference and not chosen.baseline:
+        raise InputError("--allow-difference", "goes with --baseline", "leave it out")
     if chosen.reference and len(chosen.scenes) > 1:
         raise InputError("--reference", "is a picture of one scene", "name that scene alone, or leave the reference out")
     chosen.program = chosen.program.resolve()
@@ -150,9 +153,8 @@ def study(chosen, scene, folder):
 
 
 def run_baseline(chosen):
-    """`baseline.json`, and a line for each scene and integrator; exit code 1 where efficiency fell."""
-    from .converge_baseline import check_program, describe, judge, measure
-    from .converge_report import finite
+    """`baseline.json`, and a line for each scene and integrator; exit code 1 where efficiency fell or pictures differ."""
+    from .converge_baseline import check_program, complaints, describe, judge, measure
     from .converge_runs import Job, machine
     from .photograph import sha256_of
 
@@ -163,18 +165,29 @@ def run_baseline(chosen):
     check_program(chosen.baseline)
     old, found = chosen.baseline.resolve(), []
     chosen.output.mkdir(parents=True, exist_ok=True)
-    before = machine()
+    programs = {name: {"file": str(file), "sha256": sha256_of(file)} for name, file in (("old", old), ("new", chosen.program))}
+    told = {"date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"), "machine": machine(), "programs": programs, "factor": chosen.factor}
     for scene in chosen.scenes or sorted(REFERENCE.glob("*/scene.json")):
         job = Job(scene, chosen.resolution, chosen.threads)
         for integrator in chosen.names:
             pairs, spp = measure(old, chosen.program, job, integrator, chosen.budget or BASELINE_BUDGET_S, chosen.repeats)
             found.append(judge(pairs, chosen.factor, name_of(scene), integrator, spp))
+            # After each: what ends the command early leaves what was measured.
+            write_whole(chosen.output / "baseline.json", told | {"comparisons": [asdict(entry) for entry in found]})
             say(describe(found[-1], chosen.factor))
-    programs = {name: {"file": str(file), "sha256": sha256_of(file)} for name, file in (("old", old), ("new", chosen.program))}
-    told = {"date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"), "machine": before, "programs": programs, "factor": chosen.factor, "comparisons": [asdict(entry) for entry in found]}
-    (chosen.output / "baseline.json").write_text(json.dumps(finite(told), indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    fallen = [entry for entry in found if entry.verdict == "fell"]
-    for entry in fallen:
-        low, high = entry.efficiency.low, entry.efficiency.high
-        print(f"error: {entry.scene}, {entry.integrator}: efficiency is {entry.efficiency.value:.3f} [{low:.3f}, {high:.3f}] of the baseline's, below 1/{chosen.factor:g}", file=sys.stderr)
-    return 1 if fallen else 0
+    failures = [line for entry in found for line in complaints(entry, chosen.factor, chosen.allow_difference)]
+    for line in failures:
+        print(f"error: {line}", file=sys.stderr)
+    for entry in found:
+        if entry.verdict == "undecided":
+            print(f"warning: {entry.scene}, {entry.integrator}: undecided whether efficiency fell; give more --repeats or --budget", file=sys.stderr)
+    return 1 if failures else 0
+
+
+def write_whole(file, value):
+    """JSON in place of what the file held, whole or not at all."""
+    from .converge_report import finite
+
+    part = file.with_name(file.name + ".part")
+    part.write_text(json.dumps(finite(value), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    part.replace(file)

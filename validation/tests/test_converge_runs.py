@@ -253,12 +253,70 @@ class Baseline(unittest.TestCase):
             broken = folder / "broken"
             broken.write_text("#!/bin/sh\nexit 3\n")
             broken.chmod(broken.stat().st_mode | stat.S_IXUSR)
-            for name, problem in (("converge.json", "is a report and no program"), ("plain", "cannot be run"), ("nothing", "no such program"), ("broken", "does not say its version")):
+            (folder / "true").symlink_to("/bin/true")
+            for name, problem in (("true", "is another program"), ("converge.json", "is a report and no program"), ("plain", "cannot be run"), ("nothing", "no such program"), ("broken", "does not say its version")):
                 said = io.StringIO()
                 with contextlib.redirect_stderr(said):
                     code = main(["converge", str(folder / "scene.json"), "--baseline", str(folder / name), "-o", str(folder / "out")])
                 self.assertEqual((code, said.getvalue().count("\n")), (2, 1), said.getvalue())
                 self.assertIn(problem, said.getvalue())
+
+
+class Commands(unittest.TestCase):
+    """`converge --baseline` with programs that are made up: the old one shows the truth, the new one what a test says."""
+
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.new, self.seconds, self.wrong = 1.0, {}, None
+        for name in ("old", "new", "scene.json"):
+            (self.folder / name).write_text("{}")
+        for module in (converge_runs, converge_baseline):
+            self.enterContext(mock.patch.object(module, "render", self.render))
+        self.enterContext(mock.patch.object(converge_baseline, "check_program", lambda _: None))
+
+    def render(self, program, _job, integrator, spp, seed):
+        if integrator == self.wrong:
+            raise InputError("scene.json", "is wrong", "mend it")
+        is_new = Path(program).name == "new"
+        noise = np.random.default_rng([seed, is_new]).normal(size=truth().shape)
+        picture = truth() * (1 + noise / np.sqrt(spp))
+        if is_new:
+            picture[:10, :10] *= self.new
+        moods = np.random.default_rng([seed, is_new, 7]).normal()
+        cpu_s = 0.01 * spp * np.exp(self.seconds.get(integrator, 0.001) * moods)
+        return Made(picture.astype(np.float32), cpu_s, cpu_s, {})
+
+    def converge(self, *more, integrators="path"):
+        words = [str(self.folder / "scene.json"), "--program", str(self.folder / "new"), "--baseline", str(self.folder / "old"), "--integrators", integrators]
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = main(["converge", *words, "-o", str(self.folder / "out"), *more])
+        return code, err.getvalue()
+
+    def test_light_that_was_lost_is_a_failure_unless_it_is_allowed(self):
+        self.assertEqual(self.converge(), (0, ""))
+        self.new = 0.3
+        code, said = self.converge()
+        self.assertEqual((code, said.count("\n")), (1, 1), said)
+        self.assertRegex(said, "^error: .*path: the pictures differ")
+        self.assertEqual(self.converge("--allow-difference"), (0, ""))
+
+    def test_what_is_undecided_is_named(self):
+        self.seconds["bdpt"] = 1.0
+        code, said = self.converge(integrators="path,bdpt")
+        self.assertEqual((code, said.count("\n")), (0, 1), said)
+        self.assertRegex(said, "^warning: .*bdpt: undecided")
+
+    def test_what_was_compared_is_kept_where_the_rest_cannot_be(self):
+        self.wrong = "bdpt"
+        self.assertEqual(self.converge(integrators="path,bdpt")[0], 2)
+        told = json.loads((self.folder / "out" / "baseline.json").read_text())
+        self.assertEqual([entry["integrator"] for entry in told["comparisons"]], ["path"])
+
+    def test_no_light_at_all_names_the_program(self):
+        pairs = Pairs(np.ones((5, 4, 4)), np.zeros((5, 4, 4)), np.ones(5), np.ones(5))
+        with self.assertRaisesRegex(InputError, "no light with path of the new program"):
+            judge(pairs, 1.1, "scene", "path", 8)
 
 
 class Process(unittest.TestCase):
