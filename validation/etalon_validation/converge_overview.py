@@ -23,6 +23,9 @@ COLUMNS, PANEL_IN = 4, (2.9, 2.35)
 # Order of the legend and the table; what is not named here follows by name.
 ORDER = ("path", "light", "bdpt", "mlt", "auto")
 
+# What the sheet reads of a study.
+NEEDED = {"series", "size", "date", "machine", "threads", "repeats"}
+
 
 def read_studies(folder):
     """The studies below a folder, by the folder's name."""
@@ -32,6 +35,8 @@ def read_studies(folder):
             studies[file.parent.name] = json.loads(file.read_text(encoding="utf-8"))
         except ValueError as error:
             raise InputError(file, f"is no study ({error})", "make it again, or remove it") from None
+        if not isinstance(studies[file.parent.name], dict) or not NEEDED <= set(studies[file.parent.name]):
+            raise InputError(file, "is no study", "make it again, or remove it")
     return studies
 
 
