@@ -118,7 +118,9 @@ fn wrong_arguments_are_one_line() {
         (&[][..], "no scene is named"),
         (&["no-such.json"][..], "no such file"),
         (&[SCENE, "--baseline", SCENE][..], "is a report and no program"),
-        (&[SCENE, "--reference", "no-such.exr"][..], "no such render"),
+        (&[SCENE, "--baseline", "/bin/sh", "--allow-difference"][..], "version"),
+        (&[SCENE, SCENE, "--reference", "no-such.exr"][..], "is a picture of one scene"),
+        (&[SCENE, "--reference", "no-such.exr"][..], "no such picture"),
     ] {
         let output = converge(&folder, words);
         let said = text(&output.stderr);
@@ -129,6 +131,7 @@ fn wrong_arguments_are_one_line() {
         (&[SCENE, "--integrators", "path,bdtp"][..], "did you mean \"bdpt\""),
         (&[SCENE, "--repeats", "4"][..], "5..=1000"),
         (&[SCENE, "--factor", "1.1"][..], "--baseline"),
+        (&[SCENE, "--allow-difference"][..], "--baseline"),
         (&[SCENE, "--budget", "0"][..], "above zero"),
     ] {
         let output = converge(&folder, words);

@@ -31,7 +31,8 @@ pub struct Arguments {
     /// Independent runs of each budget; with --baseline pairs of runs
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(5..=1000))]
     repeats: u32,
-    /// Picture with little noise, an EXR with Y in cd/m2; without it each run is judged by the others
+    /// Picture of the scene with little noise, an EXR whose unit is known; without it each run is
+    /// judged by the others
     #[arg(long, value_name = "REF.exr", conflicts_with = "baseline")]
     reference: Option<PathBuf>,
     /// Size of the pictures instead of the reference's or the scene's, as WIDTHxHEIGHT
@@ -50,12 +51,16 @@ pub struct Arguments {
     /// A peer's own converged picture, which it is judged against
     #[arg(long, value_name = "NAME=REF.exr", requires = "peer")]
     peer_reference: Vec<String>,
-    /// Program built from an earlier commit: exit with code 1 where efficiency fell since then
+    /// Program built from an earlier commit: exit with code 1 where efficiency fell since then, or
+    /// where the pictures differ beyond noise
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
     /// By how much efficiency may fall, with --baseline [default: 1.1]
     #[arg(long, value_name = "FACTOR", requires = "baseline", value_parser = factor)]
     factor: Option<f64>,
+    /// Pictures may differ from the baseline's, as after a fault was mended
+    #[arg(long, requires = "baseline")]
+    allow_difference: bool,
     /// Folder for tables, JSON and plots
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -90,6 +95,9 @@ fn words(arguments: &Arguments) -> anyhow::Result<Vec<OsString>> {
     ];
     for (option, value) in given {
         words.extend(value.into_iter().flat_map(|value| [option.into(), value]));
+    }
+    if arguments.allow_difference {
+        words.push("--allow-difference".into());
     }
     let peers = [
         ("--peer", &arguments.peer),

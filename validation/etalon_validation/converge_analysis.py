@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .converge_bias import FACTOR_ALPHA, LEAST_SIGMAS, bias_of
+from .converge_bias import FACTOR_ALPHA, FEWEST_BLOCKS, LEAST_SIGMAS, bias_of, doubt_of
 from .converge_data import Flag, Point, SeriesReport
 from .converge_fit import fit_of, mean_of, ratio_to
 from .converge_score import score_series
@@ -21,9 +21,13 @@ HEAVY_SHARE = 0.5
 # Slopes of a Monte Carlo estimator lie between; an interval wholly outside is flagged.
 FLATTEST, STEEPEST = -0.9, -1.1
 BAND_PERCENT = (10, 50, 90)
+# Repeats of a point below which its scatter is hardly known.
+FEWEST_REPEATS = 5
 FLAGS = {
     "heavy tail": "the largest 0.1 % of pixels hold more than half of a run's error (median over repeats), or one repeat more than half of its point's",
-    "bias floor": f"the mean squared difference from the reference is beyond the noise of both by more standard errors than `limit`: at least {LEAST_SIGMAS:g}, and so many that a factor of the whole picture passes them with a chance of {FACTOR_ALPHA:g}",
+    "bias floor": f"the mean squared difference from the reference is beyond the noise of both by more standard errors than `limit`: at least {LEAST_SIGMAS:g}, and so many that a factor of the whole picture passes them with a chance of {FACTOR_ALPHA:g}; not where the reference floor is flagged, nor where a render of fewer than {FEWEST_BLOCKS} blocks is the reference",
+    "disagreement": "without a reference file: the same test between a series and the one whose runs are the reference; one of the two misses light, or has too much, and both are flagged",
+    "few repeats": f"a point has fewer than {FEWEST_REPEATS} runs: intervals are hardly known, and there are none where a point has one run",
     "reference floor": f"the reference's own relative mean squared error is above {REFERENCE_SHARE:g} of the smallest one plotted",
     "reference noise unknown": "the reference does not tell its standard errors: nothing was subtracted",
     "flat slope": f"the slope's 95 % interval lies above {FLATTEST}: infinite variance, bias or the reference's noise",
@@ -39,7 +43,17 @@ def analyse(series_list, reference, own=None):
     by name, the references of series that are judged against one of their own.
     """
     reports = [report_on(series, (own or {}).get(series.name, reference)) for series in series_list]
+    if reference.series is not None:
+        foreign = {series.name for series in series_list if series.is_foreign}
+        reports = disagreements(reports, reference.series, set(own or {}) | foreign)
     return tuple(ratios(reports))
+
+
+def disagreements(reports, name, others):
+    """The reports, that of the pooled series flagged too where one differs from it; `others` are by other definitions or references."""
+    apart = [report.name for report in reports if report.name not in others and any(flag.name == "disagreement" for flag in report.flags)]
+    words = "; ".join(f"differs from `{other}`: one of the two misses light" for other in apart)
+    return [replace(report, flags=(*report.flags, Flag("disagreement", words))) if apart and report.name == name else report for report in reports]
 
 
 def report_on(series, reference):
@@ -48,6 +62,8 @@ def report_on(series, reference):
     points = tuple(point_of(series, scores, point) for point in series.points)
     fit = fit_of(series.runs, scores)
     bias = None if series.name == reference.series else bias_of(series, reference)
+    if doubt := doubt_of(bias, points, reference):
+        bias = replace(bias, is_significant=False, doubt=doubt)
     flags = flags_of(points, fit, bias, reference)
     means = [mean_of([getattr(point, name) for point in points]) for name in ("efficiency", "efficiency_trimmed")]
     return SeriesReport(series.name, series.runs, scores, points, fit, *means, None, None, bias, flags)
@@ -112,7 +128,10 @@ def flags_of(points, fit, bias, reference):
     if bias is not None and bias.is_significant:
         share = bias.squared.value / points[-1].relmse_mean if points[-1].relmse_mean > 0 else np.inf
         words = f"mean over reference {bias.mean_ratio.value:.4f} [{bias.mean_ratio.low:.4f}, {bias.mean_ratio.high:.4f}], squared bias {bias.squared.value:.2e}, {min(share, 1):.0%} of the last point's relMSE, z {bias.z:.1f} (limit {bias.limit:.1f})"
-        flags.append(Flag("bias floor", words))
+        flags.append(Flag("bias floor", words) if reference.series is None else Flag("disagreement", f"differs from `{reference.series}`: one of the two misses light: {words}"))
+    fewest = min(point.repeats for point in points)
+    if fewest < FEWEST_REPEATS:
+        flags.append(Flag("few repeats", f"a point has {fewest}: " + ("intervals are hardly known" if fewest > 1 else "there are no intervals")))
     if reference.variance is None:
         flags.append(Flag("reference noise unknown", FLAGS["reference noise unknown"]))
     floored = [point for point in points if "reference floor" in point.flags]

@@ -7,6 +7,7 @@ does not see a bias, so pictures are compared too. Where the two programs draw
 the same bits, their errors are equal and time alone decides.
 """
 
+import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from scipy import stats
 from .converge_bias import paired_z, sigmas
 from .converge_data import Estimate
 from .converge_reference import divisor_of
-from .converge_runs import FEWEST_SPP, first_error, render, run_process, try_out
+from .converge_runs import FEWEST_SPP, first_error, render, try_out
 from .errors import InputError
 
 # Drawn sets of pairs behind an interval, and the seed that draws them.
@@ -26,6 +27,8 @@ CONFIDENCE = 0.95
 FIRST_SEED = 1
 # An interval of fewer pairs is too wide to decide anything.
 FEWEST_PAIRS = 5
+# What the first word of --version is, and seconds to say it.
+PROGRAM, VERSION_S = "etalon", 60
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,7 @@ class Pairs:
 def check_program(file):
     """Refuses what is not an earlier build of the program."""
     file = Path(file)
-    remedy = "give the program built from an earlier commit, as target/release/etalon of another worktree: seconds of another session hold that session's machine"
+    remedy = "give the program built from an earlier commit, as target/release/etalon of another worktree: seconds measured at another time depend on what the machine did then"
     if not file.is_file():
         raise InputError(file, "no such program", remedy)
     with file.open("rb") as content:
@@ -78,11 +81,16 @@ def check_program(file):
     if file.suffix in (".json", ".csv", ".exr") or is_text:
         raise InputError(file, "is a report and no program", remedy)
     try:
-        code, *_, said = run_process([file, "--version"])
-    except InputError:
+        ended = subprocess.run([file.resolve(), "--version"], stdin=subprocess.DEVNULL, capture_output=True, timeout=VERSION_S, check=False)
+    except OSError:
         raise InputError(file, "cannot be run", remedy) from None
-    if code != 0:
-        raise InputError(file, f"does not say its version ({first_error(said)})", remedy)
+    except subprocess.TimeoutExpired:
+        raise InputError(file, f"does not say its version within {VERSION_S} s", remedy) from None
+    said, complaint = (text.decode("utf-8", "replace") for text in (ended.stdout, ended.stderr))
+    if ended.returncode != 0:
+        raise InputError(file, f"does not say its version ({first_error(complaint)})", remedy)
+    if said.split()[:1] != [PROGRAM]:
+        raise InputError(file, f'is another program: --version says "{first_error(said)}"', remedy)
 
 
 def measure(old, new, job, integrator, budget_s, pairs, first_seed=FIRST_SEED):
@@ -109,6 +117,9 @@ def judge(pairs, factor, scene, integrator, spp):
     middle = (old.mean(axis=0) + new.mean(axis=0)) / 2
     if not middle.mean() > 0:
         raise InputError(scene, f"shows no light with {integrator}", "give a larger --budget, or leave it out")
+    for images, name, other in ((old, "old", "new"), (new, "new", "old")):
+        if not images.mean() > 0:
+            raise InputError(scene, f"shows no light with {integrator} of the {name} program, and does with that of the {other} one", "compare the two pictures by etalon compare")
     weights = np.vstack([np.ones(count), np.random.default_rng(SEED).multinomial(count, np.full(count, 1 / count), size=SETS)])
     # A set of one pair only does not scatter.
     weights = weights[(weights > 0).sum(axis=1) > 1]
@@ -150,6 +161,15 @@ def verdict_of(efficiency, factor):
     if efficiency.high < 1 / factor:
         return "fell"
     return "undecided" if efficiency.low < 1 / factor else "holds"
+
+
+def complaints(found, factor, allows_difference):
+    """Lines of a comparison that end with exit code 1: efficiency that fell, and another picture unless that is allowed."""
+    place = f"{found.scene}, {found.integrator}"
+    if found.verdict == "fell":
+        yield f"{place}: efficiency is {found.efficiency.value:.3f} [{found.efficiency.low:.3f}, {found.efficiency.high:.3f}] of the baseline's, below 1/{factor:g}"
+    if found.differs and not allows_difference:
+        yield f"{place}: the pictures differ from the baseline's beyond noise (z {found.z:.1f}), and light that is lost passes for efficiency; --allow-difference where that is meant"
 
 
 def describe(found, factor):

@@ -5,7 +5,9 @@ the products of different runs (U-statistic), and its variance from the traces
 of squared covariances, as Chen and Qin do (2010, A two-sample test for
 high-dimensional data, Ann. Statist. 38, 808-835). Pixels may err together: no
 independence is assumed within a run, only between runs. Of a reference file the
-standard errors alone are known, and those are taken as independent.
+standard errors alone are known, and those are taken as independent, but for its
+mean where it says that its pixels err together. Where such a file is too noisy
+or of too few blocks to be held to its own errors, no bias is called.
 """
 
 from dataclasses import dataclass
@@ -23,6 +25,8 @@ LEAST_SIGMAS = 5.0
 # false alarms that are allowed then.
 FACTOR_ALPHA = 0.01
 CONFIDENCE = 0.95
+# Blocks of a reference file below which its standard errors scatter too much to be subtracted: 16 give a variance to 37 %.
+FEWEST_BLOCKS = 16
 
 
 @dataclass(frozen=True)
@@ -54,14 +58,12 @@ class Sample:
     def trace_of_square(self):
         """Trace of the squared covariance: of the products of two runs, each less the mean of the others."""
         gram = self.residuals @ self.residuals.T
-        others = [(j, k) for j in range(self.count) for k in range(self.count) if j != k]
-        products = []
-        for j, k in others:
-            rest = [index for index in range(self.count) if index not in (j, k)]
-            products.append((gram[j, k] - gram[rest, k].mean()) * (gram[k, j] - gram[rest, j].mean()))
+        # Columns of residuals' products add up to nothing, which gives the mean over all others but j and k.
+        less = gram + (gram + np.diag(gram)) / (self.count - 2)
+        products = (less * less.T)[~np.eye(self.count, dtype=bool)]
         # Cauchy and Schwarz: it is no less than that of as many independent pixels.
         trace = (self.residuals**2).sum() / (self.count - 1)
-        return max(float(np.mean(products)), float(trace**2 / self.vectors.shape[1]))
+        return max(float(products.mean()), float(trace**2 / self.vectors.shape[1]))
 
 
 def sigmas(repeats):
@@ -80,6 +82,17 @@ def bias_of(series, reference):
         return against_file(images, reference)
     last = reference.points == reference.points.max()
     return against_runs(images, np.asarray(reference.images[last], float))
+
+
+def doubt_of(bias, points, reference):
+    """Why a bias against a file cannot be called, in words, or None; `points` are the series' `Point`s."""
+    if bias is None or reference.series is not None:
+        return None
+    if any("reference floor" in point.flags for point in points):
+        return "the reference's own noise is too near"
+    if reference.blocks is not None and reference.blocks < FEWEST_BLOCKS:
+        return f"the reference's standard errors are from {reference.blocks} blocks"
+    return None
 
 
 def against_runs(images, others):
@@ -112,11 +125,13 @@ def against_file(images, reference):
     square = one.square() - float(own.sum())
     cross = float(one.residuals.var(axis=0) @ own) * one.count / (one.count - 1)
     trace = one.trace_of_square()
-    null = 2 * trace / (one.count * (one.count - 1)) + 2 * float((own**2).sum()) + 4 * cross / one.count
+    # Cells that err together in a whole count at least as one factor of the picture does.
+    factor = reference.mean_variance / luminance.mean() ** 2 * float((luminance**2 / scale.reshape(luminance.shape) ** 2).sum())
+    null = 2 * trace / (one.count * (one.count - 1)) + 2 * max(float((own**2).sum()), factor**2) + 4 * cross / one.count
     along = float((one.residuals @ one.mean).var(ddof=1)) - trace / one.count - cross
     linear = 4 * max(along, 0.0) / one.count + 4 * max(float(own @ one.mean**2) - cross / one.count - float((own**2).sum()), 0.0)
     means = images.mean(axis=(1, 2))
-    noise = [(float(means.var(ddof=1) / means.size), means.size - 1), (float(variance.sum() / variance.size**2), np.inf)]
+    noise = [(float(means.var(ddof=1) / means.size), means.size - 1), (reference.mean_variance, np.inf if reference.mean_stderr is None or not reference.blocks else max(reference.blocks - 1, 1))]
     return assembled(square, null, linear, images.mean(axis=0) - luminance, scatter_of(images) + variance, [means.mean(), luminance.mean()], noise, sigmas(one.count))
 
 

@@ -33,11 +33,12 @@ def add_converge(commands):
     command.add_argument("--budget", type=positive_number, help=f"CPU seconds of the largest runs; default {BUDGET_S:g}, with --baseline {BASELINE_BUDGET_S:g}")
     command.add_argument("--points", type=int, default=POINTS, help="doubling budgets")
     command.add_argument("--repeats", type=int, default=REPEATS, help="independent runs of each budget, or pairs")
-    command.add_argument("--reference", type=Path, help="EXR with Y in cd/m2; without it a run is judged by the other runs")
+    command.add_argument("--reference", type=Path, help="EXR of the scene whose unit is known; without it a run is judged by the other runs")
     command.add_argument("--resolution", type=resolution, help="WxH; default the reference's, or the scene's own")
     command.add_argument("--threads", type=int, help="threads of each run; default all processors")
     command.add_argument("--baseline", type=Path, help="the program of an earlier commit")
     command.add_argument("--factor", type=positive_number, default=FACTOR, help="by how much efficiency may fall")
+    command.add_argument("--allow-difference", action="store_true", help="with --baseline: pictures that differ beyond noise are no failure")
     command.add_argument("--peer", action="append", metavar="NAME=FILE.csv", help="another renderer's pictures: a table with the columns cpu_seconds,file")
     command.add_argument("--peer-scale", action="append", metavar="NAME=K", help="cd/m2 per unit of its files, where they do not say")
     command.add_argument("--peer-reference", action="append", metavar="NAME=REF.exr", help="its own converged picture")
@@ -78,6 +79,10 @@ def run_converge(chosen):
         read_table(peer.name, peer.file)
     if chosen.peers and (chosen.baseline or len(chosen.scenes) > 1):
         raise InputError("--peer", "goes with one scene, and not with --baseline", "name the scene that it shows")
+    if chosen.allow_difference and not chosen.baseline:
+        raise InputError("--allow-difference", "goes with --baseline", "leave it out")
+    if chosen.reference and len(chosen.scenes) > 1:
+        raise InputError("--reference", "is a picture of one scene", "name that scene alone, or leave the reference out")
     chosen.program = chosen.program.resolve()
     for scene in chosen.scenes:
         read_json(scene, "give a scene")
@@ -107,7 +112,8 @@ def say(line):
 def study(chosen, scene, folder):
     """One scene: runs, reports and plot into its folder, those of other renderers beside them."""
     from .converge_analysis import analyse
-    from .converge_reference import pooled_reference, read_reference, seed_of
+    from .converge_pool import pooled_reference
+    from .converge_reference import read_reference
     from .converge_report import describe, write
     from .converge_runs import Job, machine
     from .converge_study import Asked, finish, make_all, prepared, series_of
@@ -117,12 +123,12 @@ def study(chosen, scene, folder):
     reference = read_reference(chosen.reference, size) if chosen.reference else None
     resolution = chosen.resolution or ("{1}x{0}".format(*reference.luminance.shape) if reference else None)
     # A run with the reference's seed might share its random numbers.
-    taken = seed_of(chosen.reference) if reference else ()
+    taken = reference.seeds if reference else ()
     job = Job(scene, resolution, chosen.threads)
     asked = Asked(chosen.program, chosen.names, chosen.budget or BUDGET_S, chosen.points, chosen.repeats)
     folder.mkdir(parents=True, exist_ok=True)
     before, date = machine(), datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
-    plan = prepared(asked, job, folder, taken)
+    plan = prepared(asked, job, folder, taken, reference.check_scene if reference else lambda _facts: None)
     if reference is not None:
         reference = read_reference(chosen.reference, plan["size"])
     # Before runs that may take hours.
@@ -138,17 +144,17 @@ def study(chosen, scene, folder):
     }
     if peers:
         facts["peers"] = peers_in_report(peers, reference)
-    finish(folder, made)
     paths = write(folder, facts, reference, reports)
+    # Not before: whatever keeps a report from being written, what was measured is there for the next try.
+    finish(folder, made)
     for line in [*describe(reports, reference), *(peer.sentence for peer in peers)]:
         say(line)
     say("written: " + ", ".join(str(path) for path in paths))
 
 
 def run_baseline(chosen):
-    """`baseline.json`, and a line for each scene and integrator; exit code 1 where efficiency fell."""
-    from .converge_baseline import check_program, describe, judge, measure
-    from .converge_report import finite
+    """`baseline.json`, and a line for each scene and integrator; exit code 1 where efficiency fell or pictures differ."""
+    from .converge_baseline import check_program, complaints, describe, judge, measure
     from .converge_runs import Job, machine
     from .photograph import sha256_of
 
@@ -159,18 +165,29 @@ def run_baseline(chosen):
     check_program(chosen.baseline)
     old, found = chosen.baseline.resolve(), []
     chosen.output.mkdir(parents=True, exist_ok=True)
-    before = machine()
+    programs = {name: {"file": str(file), "sha256": sha256_of(file)} for name, file in (("old", old), ("new", chosen.program))}
+    told = {"date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"), "machine": machine(), "programs": programs, "factor": chosen.factor}
     for scene in chosen.scenes or sorted(REFERENCE.glob("*/scene.json")):
         job = Job(scene, chosen.resolution, chosen.threads)
         for integrator in chosen.names:
             pairs, spp = measure(old, chosen.program, job, integrator, chosen.budget or BASELINE_BUDGET_S, chosen.repeats)
             found.append(judge(pairs, chosen.factor, name_of(scene), integrator, spp))
+            # After each: what ends the command early leaves what was measured.
+            write_whole(chosen.output / "baseline.json", told | {"comparisons": [asdict(entry) for entry in found]})
             say(describe(found[-1], chosen.factor))
-    programs = {name: {"file": str(file), "sha256": sha256_of(file)} for name, file in (("old", old), ("new", chosen.program))}
-    told = {"date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d"), "machine": before, "programs": programs, "factor": chosen.factor, "comparisons": [asdict(entry) for entry in found]}
-    (chosen.output / "baseline.json").write_text(json.dumps(finite(told), indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    fallen = [entry for entry in found if entry.verdict == "fell"]
-    for entry in fallen:
-        low, high = entry.efficiency.low, entry.efficiency.high
-        print(f"error: {entry.scene}, {entry.integrator}: efficiency is {entry.efficiency.value:.3f} [{low:.3f}, {high:.3f}] of the baseline's, below 1/{chosen.factor:g}", file=sys.stderr)
-    return 1 if fallen else 0
+    failures = [line for entry in found for line in complaints(entry, chosen.factor, chosen.allow_difference)]
+    for line in failures:
+        print(f"error: {line}", file=sys.stderr)
+    for entry in found:
+        if entry.verdict == "undecided":
+            print(f"warning: {entry.scene}, {entry.integrator}: undecided whether efficiency fell; give more --repeats or --budget", file=sys.stderr)
+    return 1 if failures else 0
+
+
+def write_whole(file, value):
+    """JSON in place of what the file held, whole or not at all."""
+    from .converge_report import finite
+
+    part = file.with_name(file.name + ".part")
+    part.write_text(json.dumps(finite(value), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    part.replace(file)

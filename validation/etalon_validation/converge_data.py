@@ -166,7 +166,14 @@ class Bias:
     # z above which the bias is called significant; falls with the number of repeats.
     limit: float
     mean_ratio: Estimate
+    # z above the limit, and nothing that speaks against the reference: `doubt` says what does.
     is_significant: bool
+    doubt: str | None = None
+
+    @property
+    def is_clear(self):
+        """Whether no bias is seen: both intervals hold what no bias would be."""
+        return not self.is_significant and self.squared.low <= 0 and self.mean_ratio.low <= 1 <= self.mean_ratio.high
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 Repeats are drawn with replacement within each point. With n repeats the drawn
 means scatter by a factor of sqrt((n - 1) / n) too little, which at five repeats
 matters: deviations are stretched by its inverse, and intervals use Student's t.
+A point of one run tells nothing of its scatter: what rests on it has no interval.
 """
 
 import numpy as np
@@ -42,6 +43,11 @@ def freedom(groups):
     return max(sum(group.size - 1 for group in groups), 1)
 
 
+def is_repeated(groups):
+    """Whether every group has a scatter."""
+    return all(group.size > 1 for group in groups)
+
+
 def half_width(drawn, degrees):
     """Half an interval around a figure whose drawn values these are; infinite where most draws give none."""
     drawn = drawn[np.isfinite(drawn)]
@@ -62,7 +68,8 @@ def slope_of(runs, errors, seconds):
         return None
     (y, drawn_y), (x, drawn_x) = (log_means(groups) for groups in zip(*kept))
     drawn = line(drawn_x, drawn_y)
-    value, half = float(line(x[None], y[None])[0]), half_width(drawn, freedom([pair[0] for pair in kept]))
+    groups = [pair[0] for pair in kept]
+    value, half = float(line(x[None], y[None])[0]), half_width(drawn, freedom(groups)) if is_repeated(groups) else np.inf
     return Estimate(value, value - half, value + half)
 
 
@@ -98,8 +105,9 @@ def log_efficiency(report, name):
     (y, drawn_y), (x, drawn_x) = (log_means(groups) for groups in zip(*kept))
     drawn = -(drawn_x + drawn_y).mean(axis=1)
     drawn = drawn[np.isfinite(drawn)]
-    variance = float(drawn.var(ddof=1)) if drawn.size >= CONFIDENCE * SETS else np.inf
-    return float(-(x + y).mean()), variance, freedom([pair[0] for pair in kept])
+    groups = [pair[0] for pair in kept]
+    variance = float(drawn.var(ddof=1)) if drawn.size >= CONFIDENCE * SETS and is_repeated(groups) else np.inf
+    return float(-(x + y).mean()), variance, freedom(groups)
 
 
 def ratio_to(report, best, name):

@@ -23,6 +23,9 @@ COLUMNS, PANEL_IN = 4, (2.9, 2.35)
 # Order of the legend and the table; what is not named here follows by name.
 ORDER = ("path", "light", "bdpt", "mlt", "auto")
 
+# What the sheet reads of a study.
+NEEDED = {"series", "size", "date", "machine", "threads", "repeats"}
+
 
 def read_studies(folder):
     """The studies below a folder, by the folder's name."""
@@ -32,6 +35,8 @@ def read_studies(folder):
             studies[file.parent.name] = json.loads(file.read_text(encoding="utf-8"))
         except ValueError as error:
             raise InputError(file, f"is no study ({error})", "make it again, or remove it") from None
+        if not isinstance(studies[file.parent.name], dict) or not NEEDED <= set(studies[file.parent.name]):
+            raise InputError(file, "is no study", "make it again, or remove it")
     return studies
 
 
@@ -125,14 +130,16 @@ def cell(series):
     if series is None:
         return ""
     both = " / ".join(ratio(series[name]) for name in ("ratio_to_best", "ratio_to_best_trimmed"))
-    flags = [flag["name"] for flag in series["flags"] if flag["name"] in ("heavy tail", "bias floor")]
+    flags = [flag["name"] for flag in series["flags"] if flag["name"] in ("heavy tail", "bias floor", "disagreement", "few repeats")]
     return both + (f" ({', '.join(flags)})" if flags else "")
 
 
 def ratio(estimate):
-    """A ratio and its interval."""
+    """A ratio and its interval; a dash for what is not known of either."""
     if estimate is None:
         return "-"
+    if estimate["high"] is None:
+        return f"{estimate['value']:.2g} [-]"
     if estimate["value"] == estimate["low"] == estimate["high"] == 1:
         return "**1**"
     return f"{estimate['value']:.2g} [{estimate['low']:.2g}, {estimate['high']:.2g}]"

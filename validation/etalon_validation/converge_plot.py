@@ -92,8 +92,8 @@ def draw_errors(axes, reports, kind, reference_relmse):
             continue
         axes.fill_between(x[seen], np.where(low > 0, low, middle / 100)[seen], high[seen], color=colour, alpha=0.2, linewidth=0)
         axes.plot(x[seen], middle[seen], color=colour, marker=marker, markersize=5, linewidth=1.5, label=label_of(report, kind))
-        if kind == "relmse" and any(flag.name == "bias floor" for flag in report.flags):
-            axes.axhline(report.bias.squared.value, color=colour, linewidth=1, linestyle=(0, (1, 2)), label=f"{report.name}: squared bias")
+        if kind == "relmse" and report.bias is not None and report.bias.is_significant:
+            axes.axhline(report.bias.squared.value, color=colour, linewidth=1, linestyle=(0, (1, 2)), label=f"{report.name}: squared " + ("bias" if any(flag.name == "bias floor" for flag in report.flags) else "difference"))
     guide(axes, reports, kind)
     axes.grid(color="#dcdddf", linewidth=0.6)
     axes.xaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
@@ -140,7 +140,8 @@ def draw_efficiencies(axes, reports):
         for ratio, shift, face in ((report.ratio_to_best, -0.13, colour), (report.ratio_to_best_trimmed, 0.13, "white")):
             if ratio is None:
                 continue
-            low, high = max(ratio.low, ratio.value / 100), min(ratio.high, ratio.value * 100)
+            # Without interval: the mark alone.
+            low, high = (max(ratio.low, ratio.value / 100), min(ratio.high, ratio.value * 100)) if np.isfinite(ratio.high) else (ratio.value,) * 2
             lows.append(low)
             axes.plot([low, high], [index + shift] * 2, color=colour, linewidth=1.5)
             axes.plot([ratio.value], [index + shift], color=colour, marker=marker, markerfacecolor=face, markersize=6)

@@ -6,22 +6,17 @@ scatter of the runs that are pooled. No run is ever part of the reference that
 it is judged against.
 """
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from .errors import InputError
+from .peer_picture import STANDARD_ERROR, read_picture
 from .photograph import sha256_of
-from .render import read_channels, read_pixels
 
 # Share of the mean luminance whose square keeps dark pixels from counting without bound.
 FLOOR_SHARE = 0.01
-# With fewer repeats of a budget nothing scatters once a run is left out.
-FEWEST_REPEATS = 3
-LUMINANCE = "Y"
-STANDARD_ERROR = "stderr.Y"
 
 
 def divisor_of(luminance):
@@ -37,6 +32,16 @@ class FileReference:
     variance: np.ndarray | None
     file: str
     sha256: str
+    # What its unit is known from.
+    unit: str = "cd/m2"
+    # What a render by Etalon tells besides; None where nothing is told: its scene and seed,
+    # the blocks that its standard errors are from, whether its pixels err together, and the
+    # standard error of its mean by those blocks, cd/m2.
+    scene_hash: str | None = None
+    seed: int | None = None
+    blocks: int | None = None
+    is_correlated: bool | None = None
+    mean_stderr: float | None = None
 
     # No series is part of it.
     series = None
@@ -47,39 +52,72 @@ class FileReference:
 
     def facts(self):
         """What reports say of it."""
-        return {"kind": "file", "file": self.file, "sha256": self.sha256, "noise": STANDARD_ERROR if self.variance is not None else None, "relative_variance": self.relative_variance()}
+        return {"kind": "file", "file": self.file, "sha256": self.sha256, "unit": self.unit, "blocks": self.blocks, "is_correlated": self.is_correlated, "noise": STANDARD_ERROR if self.variance is not None else None, "relative_variance": self.relative_variance()}
 
     def relative_variance(self):
         """Its own relative mean squared error; None where it is not known."""
         return None if self.variance is None else float((self.variance / divisor_of(self.luminance)).mean())
 
 
+    @property
+    def seeds(self):
+        """Seeds that it was made of, as far as it tells: none or one."""
+        return () if self.seed is None else (self.seed,)
+
+    @property
+    def mean_variance(self):
+        """Variance of its mean, (cd/m2)^2; pixels count as independent where nothing is told."""
+        if self.mean_stderr is not None:
+            return self.mean_stderr**2
+        return 0.0 if self.variance is None else float(self.variance.sum() / self.variance.size**2)
+
+    def check_scene(self, facts):
+        """Refuses to judge runs of another scene, by the facts of one of them; a picture that does not tell its scene is not asked."""
+        wanted = facts.get("scene_hash")
+        if None not in (self.scene_hash, wanted) and self.scene_hash != wanted:
+            raise InputError(f"--reference {self.file}", f"shows another scene ({self.scene_hash}) than the runs ({wanted})", "render it again from the file of the scene that is studied")
+
+
 def read_reference(path, size=None):
-    """The reference in an EXR with luminance Y in cd/m2; `size` is the (width, height) that runs have."""
-    _, names, pixels = read_pixels(path)
-    luminance = read_channels(path, [LUMINANCE])[0]
-    if size is not None and luminance.shape != (size[1], size[0]):
-        found, wanted = (f"{width}x{height}" for width, height in (luminance.shape[::-1], size))
+    """The reference in an EXR whose unit is known, luminance Y or of R, G, B; `size` is the (width, height) that runs have."""
+    picture = read_picture(path, f"--reference {path}")
+    if picture.factor is None:
+        raise InputError(path, "does not say its unit, and luminance must be in cd/m2", "set the attribute whiteLuminance, cd/m2 of Y = 1 or of R = G = B = 1, or give a render by etalon")
+    if size is not None and picture.size != tuple(size):
+        found, wanted = (f"{width}x{height}" for width, height in (picture.size, size))
         raise InputError(path, f"is {found} pixels, the runs {wanted}", f"give a reference of {wanted}, or leave --resolution out")
+    return file_reference(picture, picture.factor, path)
+
+
+def file_reference(picture, factor, place):
+    """A picture of `factor` cd/m2 per unit as a reference, with what its facts tell of its errors."""
+    luminance, variance = picture.scaled(factor)
     if not luminance.mean() > 0:
-        raise InputError(path, "has no light in it", "give a picture of the scene")
-    variance = None
-    if STANDARD_ERROR in names:
-        variance = pixels[..., names.index(STANDARD_ERROR)] ** 2
-        if not np.isfinite(variance).all():
-            variance = None
-    return FileReference(luminance, variance, Path(path).name, sha256_of(Path(path)))
+        raise InputError(place, f"{picture.file} has no light in it", "give a picture of the scene")
+    facts, error = picture.facts, picture.facts.get("error")
+    error = error if isinstance(error, dict) else {}
+    is_correlated = known(error.get("correlated"), bool)
+    # Pixels that err independently tell more of the mean than a few blocks do.
+    mean_stderr = whole_stderr(facts.get("luminance_cells")) if is_correlated and variance is not None else None
+    return FileReference(
+        luminance, variance, picture.file.name, sha256_of(picture.file), picture.unit,
+        known(facts.get("scene_hash"), str), known(facts.get("seed"), int), known(error.get("blocks"), int),
+        is_correlated, None if mean_stderr is None else factor * mean_stderr,
+    )
 
 
-def seed_of(path):
-    """The seeds that a picture by this program says it used: one or none."""
-    spec, *_ = read_pixels(path)
-    text = spec.getattribute("etalon")
+def known(value, kind):
+    """A value of facts, or None where it is of another kind."""
+    return value if isinstance(value, kind) else None
+
+
+def whole_stderr(cells):
+    """Standard error of the mean of a picture: the one cell of the last of `luminance_cells`; None where that is not told."""
     try:
-        seed = json.loads(text).get("seed") if isinstance(text, str) else None
-    except (json.JSONDecodeError, AttributeError):
-        seed = None
-    return (seed,) if isinstance(seed, int) else ()
+        (found,) = cells["levels"][-1]["stderr"]
+    except (KeyError, TypeError, ValueError, IndexError):
+        return None
+    return float(found) if isinstance(found, (int, float)) and np.isfinite(found) else None
 
 
 @dataclass(frozen=True)
@@ -122,33 +160,3 @@ class PooledReference:
         """What reports say of it."""
         relative = float((self.variance / divisor_of(self.luminance)).mean())
         return {"kind": "pool", "series": self.series, "runs": len(self.images), "noise": "scatter of its runs", "relative_variance": relative}
-
-
-def pooled_reference(series_list):
-    """All runs of the series that scatters least at its largest budget, of those that can make every path that carries light.
-
-    Foreign series are no part of it. `InputError` where no series can serve.
-    """
-    able = [series for series in series_list if not series.is_foreign and not series.missing] or [series for series in series_list if not series.is_foreign]
-    able = [series for series in able if min(len(series.at(point)) for point in series.points) >= FEWEST_REPEATS]
-    if not able:
-        raise InputError("--reference", "is missing, and there are no runs to judge others by", f"give a picture with little noise, or at least {FEWEST_REPEATS} repeats by this program")
-    largest = [series.images[series.at(series.points[-1])] for series in able]
-    plain = np.mean([images.mean(axis=0, dtype=float) for images in largest], axis=0)
-    if not plain.mean() > 0:
-        raise InputError("the runs", "found no light", "give a larger --budget")
-    scatter = [float((images.var(axis=0, ddof=1, dtype=float) / divisor_of(plain)).mean()) for images in largest]
-    if not max(scatter) > 0:
-        raise InputError("the runs", "all show the same picture", "take a scene that is rendered with noise")
-    best = able[int(np.argmin([value if value > 0 else np.inf for value in scatter]))]
-    # Weights are what a budget was to take, not what was drawn: they may not follow pictures.
-    points = np.array([run.point for run in best.runs])
-    weights = np.array([weight_of(best, run) for run in best.runs])
-    return PooledReference(best.name, best.images, points, weights)
-
-
-def weight_of(series, run):
-    """A run's samples per pixel, or the mean CPU seconds of its budget where samples are not known."""
-    if run.spp is not None:
-        return float(run.spp)
-    return float(np.mean([series.runs[index].cpu_s for index in series.at(run.point)]))

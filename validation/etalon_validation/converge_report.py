@@ -78,9 +78,17 @@ def describe(reports, reference):
             yield "  picked " + ", ".join(f"{name} in {count} of {len(report.runs)} runs" for name, count in picked.most_common())
         if report.bias is not None:
             bias = report.bias
-            verdict = "BIASED" if bias.is_significant else "no bias seen"
-            yield f"  {verdict}: mean over reference {interval(bias.mean_ratio, 4)}, squared relative bias {bias.squared.value:.1e} [{bias.squared.low:.1e}, {bias.squared.high:.1e}]"
+            yield f"  {verdict_of(bias, reference)}: mean over reference {interval(bias.mean_ratio, 4)}, squared relative bias {bias.squared.value:.1e} [{bias.squared.low:.1e}, {bias.squared.high:.1e}]"
         yield from (f"  flag {flag.name}: {flag.text}" for flag in report.flags)
+
+
+def verdict_of(bias, reference):
+    """What a bias comes to; of two series that differ neither is called the wrong one."""
+    if bias.is_significant:
+        return "BIASED" if reference.series is None else f"DIFFERS from {reference.series}"
+    if bias.is_clear:
+        return "no bias seen"
+    return f"not decided (z {bias.z:.1f}, limit {bias.limit:.1f}" + (f"; {bias.doubt})" if bias.doubt else ")")
 
 
 def interval(estimate, digits=2):

@@ -6,12 +6,14 @@ pixel's error has, so that the relative error is right too. What is left may be
 negative for a single run; means over runs are unbiased.
 """
 
+import math
+
 import numpy as np
 
 from .converge_data import Score, Series
 from .converge_reference import divisor_of
 
-# Share of the pixels, those with the largest terms, that the trimmed error leaves out.
+# Share of the pixels, those with the largest terms, that the trimmed error leaves out; rounded up, as etalon compare does.
 TRIMMED_SHARE = 0.001
 
 
@@ -24,7 +26,7 @@ def score(image, luminance, variance=None):
     noise = variance / divisor
     # Which terms are the largest is asked of what is seen, not of what is left.
     order = np.argsort(terms, axis=None)
-    cut = terms.size - max(1, round(TRIMMED_SHARE * terms.size))
+    cut = terms.size - math.ceil(TRIMMED_SHARE * terms.size)
     kept, total = order[:cut], terms.sum()
     return Score(
         mse=float((squares - variance).mean()),

@@ -7,7 +7,8 @@ B = 1, or of Y = 1); else it is fitted, and whoever reads the figures is told
 that the level is then not tested.
 """
 
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ SRGB = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 FITTED = "fitted"
 # Channels that hold the standard error of Y.
 STANDARD_ERROR = "stderr.Y"
+REMEDY = "give an EXR by any renderer, with Y or linear R, G, B"
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,8 @@ class Picture:
     factor: float | None
     unit: str
     weights: str
+    # What Etalon tells of the picture; nothing of others.
+    facts: dict = field(default_factory=dict)
 
     @property
     def size(self):
@@ -64,7 +68,7 @@ def read_picture(path, place=None, scale=None):
     `place` is where the file was named; errors begin with it.
     """
     place = place or path
-    spec, names, pixels = read_pixels(path)
+    spec, names, pixels = read_pixels(path, REMEDY)
     if "Y" in names:
         luminance, weights = pixels[..., names.index("Y")], "channel Y"
     elif set("RGB") <= set(names):
@@ -79,7 +83,7 @@ def read_picture(path, place=None, scale=None):
     if variance is not None and not np.isfinite(variance).all():
         variance = None
     factor, unit = (float(scale), "a factor given by the user") if scale is not None else unit_of(spec)
-    return Picture(Path(path), luminance, variance, factor, unit, weights)
+    return Picture(Path(path), luminance, variance, factor, unit, weights, facts_of(spec))
 
 
 def shares_of(spec, place, path):
@@ -91,6 +95,16 @@ def shares_of(spec, place, path):
     if shares is None:
         raise InputError(place, f"the chromaticities of {path} are no primaries: {', '.join(f'{v:g}' for v in stated)}", "correct the attribute, or write channel Y")
     return shares, "R, G, B of the stated primaries"
+
+
+def facts_of(spec):
+    """The facts of a render by Etalon; empty where there are none."""
+    text = spec.getattribute("etalon")
+    try:
+        facts = json.loads(text) if isinstance(text, str) else None
+    except json.JSONDecodeError:
+        facts = None
+    return facts if isinstance(facts, dict) else {}
 
 
 def unit_of(spec):

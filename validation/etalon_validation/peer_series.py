@@ -14,11 +14,10 @@ import numpy as np
 
 from .converge_analysis import report_on
 from .converge_data import Run, Series
-from .converge_reference import FileReference
+from .converge_reference import FileReference, file_reference
 from .errors import InputError
 from .peer_picture import Picture, fitted_factor, read_picture
 from .peer_table import PeerTable, read_table
-from .photograph import sha256_of
 
 LEVEL_FITTED = " (level fitted)"
 LONGEST_NAME = 40
@@ -128,7 +127,7 @@ def settle_peer(loaded, common):
     factors, fitted_on = settle(table, pictures, own, common)
     name = option.name + (LEVEL_FITTED if fitted_on else "")
     images = np.stack([picture.scaled(factor)[0] for picture, factor in zip(pictures, factors)]).astype(np.float32)
-    reference = own_reference(own, own.factor or factors[0], loaded.own_place) if own else None
+    reference = file_reference(own, own.factor or factors[0], loaded.own_place) if own else None
     units = list(dict.fromkeys(picture.unit for picture in pictures))
     facts = {
         "name": option.name, "table": str(option.file), "runs": len(pictures), "points": len(table.points),
@@ -182,14 +181,6 @@ def settle(table, pictures, own, common):
         last = [picture.luminance for picture in pictures[-len(table.points[-1]):]]
         factor, fitted_on = fitted_factor(np.mean(last, axis=0), table.rows[-1].file, common), f"the mean of the {len(last)} pictures of its last point"
     return [factor] * len(pictures), fitted_on
-
-
-def own_reference(own, factor, place):
-    """The peer's own reference as others of the study; `factor` is cd/m2 per unit."""
-    luminance, variance = own.scaled(factor)
-    if not luminance.mean() > 0:
-        raise InputError(place, f"{own.file} has no light in it", "give a picture of the scene")
-    return FileReference(luminance, variance, own.file.name, sha256_of(own.file))
 
 
 def runs_of(name, table):

@@ -35,14 +35,14 @@ class Render:
         return float(self.record["camera"]["saturation_luminance_cd_m2"])
 
 
-def read_pixels(path):
-    """The header of an EXR, its channel names, and its values (height, width, channels)."""
+def read_pixels(path, remedy=REMEDY):
+    """The header of an EXR, its channel names, and its values (height, width, channels); an `InputError` ends with `remedy`."""
     path = Path(path)
     if not path.is_file():
-        raise InputError(path, "no such render", REMEDY)
+        raise InputError(path, "no such render" if remedy is REMEDY else "no such picture", remedy)
     image = oiio.ImageInput.open(str(path))
     if image is None:
-        raise InputError(path, f"cannot be decoded ({first_line(oiio.geterror())})", REMEDY)
+        raise InputError(path, f"cannot be decoded ({first_line(oiio.geterror())})", remedy)
     spec = image.spec()
     pixels = image.read_image(0, spec.nchannels, "float")
     image.close()

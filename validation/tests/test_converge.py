@@ -14,12 +14,13 @@ import numpy as np
 from scipy import stats
 
 from etalon_validation.converge_analysis import analyse, point_of
-from etalon_validation.converge_bias import FACTOR_ALPHA
-from etalon_validation.converge_data import Point, Run, Score, Series, append_row, read_runs, write_rows
+from etalon_validation.converge_bias import FACTOR_ALPHA, Sample, bias_of
+from etalon_validation.converge_data import Bias, Estimate, Point, Run, Score, Series, append_row, read_runs, write_rows
 from etalon_validation.converge_fit import slope_of
-from etalon_validation.converge_reference import divisor_of, pooled_reference
+from etalon_validation.converge_pool import pooled_reference
+from etalon_validation.converge_reference import FileReference, divisor_of
 from etalon_validation.converge_plot import label_of
-from etalon_validation.converge_report import finite, interval
+from etalon_validation.converge_report import describe, finite, interval, verdict_of
 from etalon_validation.converge_score import score
 from etalon_validation.errors import InputError
 
@@ -44,6 +45,13 @@ class Measures(unittest.TestCase):
         self.assertAlmostEqual(found.relmse, 200.0**2 / (4 + 0.02**2) / 1e4)
         self.assertAlmostEqual(found.mse, 200.0**2 / 1e4)
         self.assertEqual((found.relmse_trimmed, found.largest_share), (0, 1))
+
+    def test_the_trimmed_share_is_rounded_up(self):
+        level = np.full((35, 35), 2.0)
+        image = level.copy()
+        image[:1, :2] = 50.0
+        # 0.1 % of 1225 pixels are 1.225: two are left out.
+        self.assertEqual(score(image, level).relmse_trimmed, 0)
 
     def test_even_errors_are_the_same_both_ways(self):
         level = np.full((64, 64), 5.0)
@@ -116,6 +124,22 @@ class Pool(unittest.TestCase):
             pooled_reference([series(self.generator, "path", 0.5, repeats=2)])
 
 
+class Traces(unittest.TestCase):
+    def test_the_closed_form_is_the_mean_over_pairs(self):
+        # A few directions hold most of it, so that the bound by independent pixels is not what is returned.
+        sample = Sample(np.random.default_rng(59).normal(size=(7, 50)) * np.linspace(0.01, 3, 50) ** 4)
+        plain = np.mean([((b - m) @ a) * ((a - m) @ b) for a, b, m in self.pairs(sample.residuals)])
+        self.assertAlmostEqual(sample.trace_of_square() / plain, 1, places=9)
+
+    @staticmethod
+    def pairs(vectors):
+        """Two vectors and the mean of all others."""
+        for j in range(len(vectors)):
+            for k in range(len(vectors)):
+                if j != k:
+                    yield vectors[j], vectors[k], np.delete(vectors, [j, k], axis=0).mean(axis=0)
+
+
 class Intervals(unittest.TestCase):
     def count_is_as_stated(self, hits, trials, chance):
         """Whether a count is one that chance gives more often than once in a thousand."""
@@ -171,11 +195,65 @@ class Flags(unittest.TestCase):
     def test_light_that_is_missed_in_a_corner_is_a_bias_floor(self):
         made = series(self.generator, "path", 0.2)
         made.images[:, :4, :4] *= 0.5
-        for against in (reference(self.generator), pooled_reference([series(self.generator, "bdpt", 0.2)])):
+        for against, flag in ((reference(self.generator), "bias floor"), (pooled_reference([series(self.generator, "bdpt", 0.2)]), "disagreement")):
             report, = analyse([made], against)
-            self.assertIn("bias floor", flags(report))
+            self.assertIn(flag, flags(report))
             expected = (0.25 * truth() ** 2 / divisor_of(truth()))[:4, :4].sum() / PIXELS
             self.assertTrue(report.bias.squared.low < expected < report.bias.squared.high, report.bias)
+
+    def test_who_misses_light_is_no_reference_though_it_scatters_least(self):
+        path, bdpt = series(self.generator, "path", 0.3), series(self.generator, "bdpt", 0.5)
+        self.assertEqual(pooled_reference([path, bdpt]).series, "path")
+        path.images[:, :4, :4] *= 0.5
+        against = pooled_reference([path, bdpt])
+        self.assertEqual(against.series, "bdpt")
+        reports = analyse([path, bdpt], against)
+        for report, other in zip(reports, ("bdpt", "path")):
+            text = next(flag.text for flag in report.flags if flag.name == "disagreement")
+            self.assertTrue(text.startswith(f"differs from `{other}`: one of the two misses light"), text)
+        said = "\n".join(describe(reports, against))
+        self.assertIn("DIFFERS from bdpt", said)
+        self.assertNotIn("BIASED", said)
+
+    def test_another_renderer_that_differs_leaves_the_reference_unflagged(self):
+        path, other = series(self.generator, "path", 0.3), series(self.generator, "other", 0.3, bias=0.1, is_foreign=True)
+        found = analyse([path, other], pooled_reference([path, other]))
+        self.assertEqual([("disagreement" in flags(report)) for report in found], [False, True])
+
+    def test_a_reference_whose_pixels_err_together_is_no_bias(self):
+        alarms, unaware, trials = 0, 0, 100
+        for _ in range(trials):
+            factor = 0.025 * self.generator.normal()
+            whole = FileReference(truth() * (1 + factor), (0.025 * truth()) ** 2, "made up", "none", blocks=64, is_correlated=True, mean_stderr=0.025 * truth().mean())
+            report, = analyse([series(self.generator, "path", 0.5)], whole)
+            self.assertNotIn("reference floor", flags(report))
+            alarms += report.bias.is_significant
+            unaware += bias_of(series(self.generator, "path", 0.5), dataclasses.replace(whole, mean_stderr=None)).is_significant
+        self.assertLessEqual(alarms, stats.binom.ppf(1 - ALPHA, trials, FACTOR_ALPHA))
+        # As independent pixels the same factor is an alarm more often than not once it is above a deviation or so.
+        self.assertGreater(unaware, stats.binom.ppf(1 - ALPHA, trials, FACTOR_ALPHA))
+
+    def test_a_reference_that_cannot_be_held_to_its_errors_calls_no_bias(self):
+        made = series(self.generator, "path", 0.5, bias=0.5)
+        clean = reference(self.generator)
+        for against, doubt in ((dataclasses.replace(clean, blocks=15), "15 blocks"), (reference(self.generator, 0.5), "too near")):
+            report, = analyse([made], against)
+            self.assertNotIn("bias floor", flags(report))
+            self.assertGreater(report.bias.z, report.bias.limit)
+            self.assertRegex("\n".join(describe([report], against)), rf"not decided \(z [0-9.]+, limit [0-9.]+; .*{doubt}\)")
+        self.assertIn("bias floor", flags(analyse([made], dataclasses.replace(clean, blocks=16))[0]))
+
+    def test_few_repeats_are_named_and_one_has_no_interval(self):
+        made = [series(self.generator, "path", 0.5, repeats=5), series(self.generator, "four", 1.0, repeats=4), series(self.generator, "one", 1.0, repeats=1)]
+        whole, four, one = analyse(made, reference(self.generator))
+        self.assertEqual([flags(report) for report in (whole, four, one)], [[], ["few repeats"], ["few repeats"]])
+        self.assertEqual((interval(one.fit.relmse), interval(one.ratio_to_best), one.bias), ("-", "-", None))
+        self.assertIn("slope not known", label_of(one, "relmse"))
+        self.assertLess(one.ratio_to_best.value, 1)
+        # A single point of one run is enough.
+        runs = [run for run in made[0].runs if run.point or not run.repeat]
+        self.assertEqual(interval(slope_of(runs, [1 / run.cpu_s for run in runs], [run.cpu_s for run in runs])), "-")
+        self.assertNotEqual(interval(four.fit.relmse), "-")
 
     def test_the_reference_itself_is_not_asked_for_bias(self):
         made = series(self.generator, "path", 0.2)
@@ -215,6 +293,15 @@ class Flags(unittest.TestCase):
 
 
 class Words(unittest.TestCase):
+    def test_an_interval_without_zero_is_not_called_unbiased(self):
+        none, some = Estimate(0.0, -1.0, 1.0), Estimate(2.0, 1.0, 3.0)
+        level, moved = Estimate(1.0, 0.9, 1.1), Estimate(1.2, 1.1, 1.3)
+        file = reference(np.random.default_rng(1))
+        for squared, ratio, is_significant, words in (
+            (none, level, False, "no bias seen"), (some, level, False, "not decided (z 3.0, limit 7.4)"), (none, moved, False, "not decided (z 3.0, limit 7.4)"), (some, moved, True, "BIASED"),
+        ):
+            self.assertEqual(verdict_of(Bias(squared, 0.0, 3.0, 7.4, ratio, is_significant), file), words)
+
     def test_a_slope_of_which_nothing_is_known_is_not_a_number(self):
         generator = np.random.default_rng(53)
         made = series(generator, "path", 0.1)

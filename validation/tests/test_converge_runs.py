@@ -14,15 +14,18 @@ from unittest import mock
 import numpy as np
 from scipy import stats
 
-from etalon_validation import converge_baseline, converge_runs, converge_study
+from etalon_validation import converge_baseline, converge_report, converge_runs, converge_study
 from etalon_validation.cli import main
 from etalon_validation.converge_baseline import Pairs, judge, measure
 from etalon_validation.converge_data import read_runs
-from etalon_validation.converge_reference import pooled_reference
+from etalon_validation.converge_pool import pooled_reference
+from etalon_validation.converge_reference import read_reference
 from etalon_validation.converge_runs import Job, Made, budgets, run_process, try_out
-from etalon_validation.converge_study import Asked, make_all, order, prepared, series_of
+from etalon_validation.converge_study import Asked, finish, make_all, order, prepared, series_of
+from etalon_validation.errors import InputError
 
 from .convergence import truth
+from .peer_files import write_exr
 
 # CPU seconds of a sample per pixel, and before the first.
 SECONDS = {"path": (0.01, 0.1), "bdpt": (0.03, 0.1), "mlt": (0.02, 2.0), "slow": (30.0, 0.1)}
@@ -39,7 +42,7 @@ class MadeUp:
         self.asked.append((integrator, spp, seed))
         each, setup = SECONDS[integrator]
         noise = np.random.default_rng(seed).normal(size=truth().shape)
-        facts = {"integrator": integrator, "times": {"render": {"cpu_s": each * spp, "wall_s": each * spp / 2}, "pilot": None}}
+        facts = {"integrator": integrator, "version": "0", "scene": "scene", "scene_hash": "a1", "times": {"render": {"cpu_s": each * spp, "wall_s": each * spp / 2}, "pilot": None}}
         return Made((truth() * (1 + noise / np.sqrt(spp))).astype(np.float32), setup + each * spp, 1.0, facts)
 
 
@@ -108,6 +111,78 @@ class Study(unittest.TestCase):
         before = len(self.program.asked)
         self.made()
         self.assertGreater(len(self.program.asked) - before, 60)
+
+    def test_files_of_the_user_stay_and_a_folder_of_his_is_refused(self):
+        (self.folder / "pictures").mkdir()
+        mine = self.folder / "pictures" / "mine.npy"
+        mine.write_bytes(b"mine")
+        plan, made = self.made()
+        self.assertEqual(len(list(mine.parent.glob("*.npy"))), 1 + len(made))
+        self.asked = dataclasses.replace(self.asked, budget_s=3.5)
+        _, made = self.made()
+        finish(self.folder, made)
+        self.assertEqual([file.name for file in mine.parent.iterdir()], ["mine.npy"])
+        self.assertFalse((self.folder / "plan.json").exists())
+        # Its own table is a study's.
+        prepared(self.asked, self.job, self.folder)
+        asked = len(self.program.asked)
+        for name, content in (("runs.csv", "cpu_seconds,file\n1,a.exr\n"), ("runs.csv", ""), ("plan.json", "{}"), ("plan.json", "my plan")):
+            folder = self.folder / "other"
+            folder.mkdir(exist_ok=True)
+            (folder / name).write_text(content)
+            with self.assertRaisesRegex(InputError, f"{name}: is not the"):
+                prepared(self.asked, self.job, folder)
+            self.assertEqual((folder / name).read_text(), content)
+            (folder / name).unlink()
+        self.assertEqual(len(self.program.asked), asked)
+
+    def test_a_list_that_names_other_files_removes_none(self):
+        _, made = self.made()
+        kept = self.folder / "kept.npy"
+        kept.write_bytes(b"kept")
+        finish(self.folder, [*made, dataclasses.replace(made[0], file="kept.npy"), dataclasses.replace(made[0], file="pictures/../kept.npy")])
+        self.assertTrue(kept.exists())
+
+    def test_what_was_measured_outlives_a_report_that_cannot_be_written(self):
+        words = ["converge", str(self.scene), "--program", str(self.scene), "--integrators", "path,bdpt", "--budget", "4", "--points", "3", "--repeats", "5", "-o", str(self.folder / "out")]
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            with mock.patch.object(converge_report, "plot", side_effect=OSError(28, "No space left on device")):
+                self.assertNotEqual(main(words), 0)
+            asked = len(self.program.asked)
+            self.assertEqual(main(words), 0, said.getvalue())
+        self.assertEqual(len(self.program.asked), asked)
+        self.assertTrue((self.folder / "out" / "converge.png").is_file())
+        self.assertFalse((self.folder / "out" / "pictures").exists())
+
+    def test_a_reference_of_another_scene_or_without_unit_is_refused(self):
+        file, rgb = self.folder / "reference.exr", {name: truth() for name in "RGB"}
+        other = self.folder / "other.json"
+        other.write_text("{}")
+        words = [str(self.scene), "--program", str(self.scene), "--integrators", "path", "--budget", "4", "--points", "3", "--repeats", "5", "-o", str(self.folder / "out")]
+
+        def said(*more):
+            text = io.StringIO()
+            with contextlib.redirect_stdout(text), contextlib.redirect_stderr(text):
+                code = main(["converge", *more, *words, "--reference", str(file)])
+            return code, text.getvalue()
+
+        self.assertRegex(said()[1], "no such picture; give an EXR by any renderer")
+        for channels, attributes, problem in (
+            ({"Y": truth()}, {}, "does not say its unit"), (rgb, {}, "does not say its unit"), ({"Z": truth()}, {"whiteLuminance": 1.0}, "has the channels Z"),
+            ({"Y": truth()}, {"etalon": json.dumps({"scene_hash": "b2"})}, r"shows another scene \(b2\) than the runs \(a1\)"),
+        ):
+            write_exr(file, channels, **attributes)
+            code, text = said()
+            self.assertEqual((code, text.count("\n")), (2, 1), text)
+            self.assertRegex(text, problem)
+        write_exr(file, {"Y": truth()}, etalon=json.dumps({"scene_hash": "a1", "seed": 3}))
+        self.assertRegex(said(str(other))[1], "--reference: is a picture of one scene")
+        self.assertEqual(said()[0], 0)
+        self.assertNotIn(3, [run.seed for run in read_runs(self.folder / "out" / "runs.csv")])
+        # R = G = B = 1 is 2 cd/m2: the same picture as R, G, B of half the values.
+        write_exr(file, {name: truth() / 2 for name in "RGB"}, whiteLuminance=2.0)
+        np.testing.assert_allclose(read_reference(file).luminance, truth(), rtol=1e-5)
 
     def test_runs_and_pictures_stay_together(self):
         plan, made = self.made()
@@ -178,12 +253,70 @@ class Baseline(unittest.TestCase):
             broken = folder / "broken"
             broken.write_text("#!/bin/sh\nexit 3\n")
             broken.chmod(broken.stat().st_mode | stat.S_IXUSR)
-            for name, problem in (("converge.json", "is a report and no program"), ("plain", "cannot be run"), ("nothing", "no such program"), ("broken", "does not say its version")):
+            (folder / "true").symlink_to("/bin/true")
+            for name, problem in (("true", "is another program"), ("converge.json", "is a report and no program"), ("plain", "cannot be run"), ("nothing", "no such program"), ("broken", "does not say its version")):
                 said = io.StringIO()
                 with contextlib.redirect_stderr(said):
                     code = main(["converge", str(folder / "scene.json"), "--baseline", str(folder / name), "-o", str(folder / "out")])
                 self.assertEqual((code, said.getvalue().count("\n")), (2, 1), said.getvalue())
                 self.assertIn(problem, said.getvalue())
+
+
+class Commands(unittest.TestCase):
+    """`converge --baseline` with programs that are made up: the old one shows the truth, the new one what a test says."""
+
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.new, self.seconds, self.wrong = 1.0, {}, None
+        for name in ("old", "new", "scene.json"):
+            (self.folder / name).write_text("{}")
+        for module in (converge_runs, converge_baseline):
+            self.enterContext(mock.patch.object(module, "render", self.render))
+        self.enterContext(mock.patch.object(converge_baseline, "check_program", lambda _: None))
+
+    def render(self, program, _job, integrator, spp, seed):
+        if integrator == self.wrong:
+            raise InputError("scene.json", "is wrong", "mend it")
+        is_new = Path(program).name == "new"
+        noise = np.random.default_rng([seed, is_new]).normal(size=truth().shape)
+        picture = truth() * (1 + noise / np.sqrt(spp))
+        if is_new:
+            picture[:10, :10] *= self.new
+        moods = np.random.default_rng([seed, is_new, 7]).normal()
+        cpu_s = 0.01 * spp * np.exp(self.seconds.get(integrator, 0.001) * moods)
+        return Made(picture.astype(np.float32), cpu_s, cpu_s, {})
+
+    def converge(self, *more, integrators="path"):
+        words = [str(self.folder / "scene.json"), "--program", str(self.folder / "new"), "--baseline", str(self.folder / "old"), "--integrators", integrators]
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = main(["converge", *words, "-o", str(self.folder / "out"), *more])
+        return code, err.getvalue()
+
+    def test_light_that_was_lost_is_a_failure_unless_it_is_allowed(self):
+        self.assertEqual(self.converge(), (0, ""))
+        self.new = 0.3
+        code, said = self.converge()
+        self.assertEqual((code, said.count("\n")), (1, 1), said)
+        self.assertRegex(said, "^error: .*path: the pictures differ")
+        self.assertEqual(self.converge("--allow-difference"), (0, ""))
+
+    def test_what_is_undecided_is_named(self):
+        self.seconds["bdpt"] = 1.0
+        code, said = self.converge(integrators="path,bdpt")
+        self.assertEqual((code, said.count("\n")), (0, 1), said)
+        self.assertRegex(said, "^warning: .*bdpt: undecided")
+
+    def test_what_was_compared_is_kept_where_the_rest_cannot_be(self):
+        self.wrong = "bdpt"
+        self.assertEqual(self.converge(integrators="path,bdpt")[0], 2)
+        told = json.loads((self.folder / "out" / "baseline.json").read_text())
+        self.assertEqual([entry["integrator"] for entry in told["comparisons"]], ["path"])
+
+    def test_no_light_at_all_names_the_program(self):
+        pairs = Pairs(np.ones((5, 4, 4)), np.zeros((5, 4, 4)), np.ones(5), np.ones(5))
+        with self.assertRaisesRegex(InputError, "no light with path of the new program"):
+            judge(pairs, 1.1, "scene", "path", 8)
 
 
 class Process(unittest.TestCase):
