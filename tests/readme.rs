@@ -17,7 +17,10 @@ fn the_scene_in_the_readme_is_a_scene() {
 #[test]
 fn the_readme_names_every_subcommand() {
     let readme = include_str!("../README.md");
-    for command in ["render", "develop", "check", "measure", "replay", "spectra", "schema", "validate"] {
+    for command in [
+        "render", "develop", "compare", "converge", "check", "measure", "replay", "spectra", "schema",
+        "validate",
+    ] {
         assert!(readme.contains(&format!("etalon {command}")), "{command}");
     }
 }
