@@ -61,6 +61,24 @@ fn two_renders_of_one_scene() {
     assert!(compare(&a, &a, "").out.contains("share random numbers"));
 }
 
+/// Paths from the camera are the same ones: noise of both is not what sets them apart.
+#[test]
+fn integrators_of_one_seed_are_not_independent() {
+    let of = |integrator: &str, seed: u64| {
+        let options = format!("--integrator {integrator} --spp 64 --seed {seed} --resolution 24x18");
+        rendered("compare-one-seed", &format!("{integrator}-{seed}"), &options)
+    };
+    let [path, bdpt, other] = [of("path", 1), of("bdpt", 1), of("bdpt", 2)];
+    let keys = ["mse_corrected", "relmse_corrected", "mse_corrected_ci95", "relmse_corrected_ci95"];
+    let found = compared(&path, &bdpt, "");
+    assert!(found["notes"].to_string().contains("share random numbers"), "{found:#}");
+    assert!(keys.iter().all(|key| found[key].is_null()), "{found:#}");
+    assert!(compare(&path, &bdpt, "").out.contains("share random numbers"));
+    let found = compared(&path, &other, "");
+    assert!(!found["notes"].to_string().contains("share random numbers"), "{found:#}");
+    assert!(keys[..2].iter().all(|key| found[key].is_number()), "{found:#}");
+}
+
 #[test]
 fn a_map_has_a_pixel_for_each_of_the_picture() {
     let a = rendered("compare-map", "a", "--integrator path --spp 64 --seed 1 --resolution 24x18");
