@@ -15,6 +15,12 @@ const MOST_PIXELS: usize = 1 << 15;
 /// Batches at most.
 const MOST_BATCHES: usize = 32;
 
+/// Numbers at most that are kept of a picture of so many pixels, the block being taken among them.
+pub const fn batch_numbers(pixels: u64) -> u64 {
+    let kept = if pixels < MOST_PIXELS as u64 { pixels } else { MOST_PIXELS as u64 };
+    kept * (MOST_BATCHES as u64 + 1)
+}
+
 /// The pixels of a picture that are kept: one at random in each run of equal length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Witnesses {
