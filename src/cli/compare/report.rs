@@ -224,9 +224,10 @@ impl<'p> Report<'p> {
         let of = if self.scale_fitted.is_some() { "the quarters of the picture" } else { "the means" };
         match (self.verdict, self.reason) {
             ("equal", _) => format!("equal: nothing differs, and {of} are equal within {margin} %"),
-            ("different", _) => {
-                format!("different: equal pictures are called so once in {:.0} times", 1.0 / self.alpha)
-            }
+            ("different", _) => format!(
+                "different: equal pictures are meant to be called so once in {:.0} times, and are more often where samples are so few that bright ones were not met",
+                1.0 / self.alpha
+            ),
             (verdict, reason) => {
                 let reason = reason.unwrap_or_default();
                 let more = self.samples_factor.map_or(String::new(), |factor| {
