@@ -64,4 +64,5 @@ pub use record::{CameraRecord, ChannelRecord, Optics, Responses, Seen, White};
 pub use sensor::{CIE_SENSOR, Channel, Detector, Sensor};
 pub use stages::{SWITCHES, Stage};
 pub use vignetting::{Coordinate, FLAT_FIELD_CHANNEL, FlatField, Vignetting, cos4};
+pub use witnesses::batch_numbers;
 pub(crate) use witnesses::{Batches, Scatter};

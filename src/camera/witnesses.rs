@@ -15,6 +15,12 @@ const MOST_PIXELS: usize = 1 << 15;
 /// Batches at most.
 const MOST_BATCHES: usize = 32;
 
+/// Numbers at most that are kept of a picture of so many pixels, the block being taken among them.
+pub const fn batch_numbers(pixels: u64) -> u64 {
+    let kept = if pixels < MOST_PIXELS as u64 { pixels } else { MOST_PIXELS as u64 };
+    kept * (MOST_BATCHES as u64 + 1)
+}
+
 /// The pixels of a picture that are kept: one at random in each run of equal length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Witnesses {
@@ -132,24 +138,37 @@ impl Batches {
         smallest.filter(|at| self.sizes[*at] < 0.5 * largest)
     }
 
-    /// How the batches scatter around the mean of all; `None` before two.
+    /// How the batches scatter around the mean of all; `None` before the first.
     ///
     /// The residual of one of G batches is (mean of the batch - mean of all) / G, times the root of
     /// its size over the mean size. The variance of the mean of all is then estimated by
-    /// G / (G - 1) times the sum of their squares, to which every batch contributes alike.
+    /// G / (G - 1) times the sum of their squares, to which every batch contributes alike. Of the
+    /// unbalanced ones it is what they move the mean of all by.
     pub fn scatter(&self, scale: f64) -> Option<Scatter> {
         let Self { sizes, sums, .. } = self.balanced();
         let all: f64 = sizes.iter().sum();
-        if sums.len() < 2 || all <= 0.0 {
+        if sums.is_empty() || all <= 0.0 {
             return None;
         }
         let mean = |witness: usize| sums.iter().map(|sums| sums[witness]).sum::<f64>() / all;
         let means: Vec<f64> = (0..self.block.len()).map(mean).collect();
-        let residuals = sums.iter().zip(&sizes).map(|(sums, size)| {
-            let scale = scale / (size * all * sizes.len() as f64).sqrt();
+        let residual = |sums: &Vec<f64>, size: f64, scale: f64| -> Vec<f64> {
             sums.iter().zip(&means).map(|(sum, mean)| scale * (sum - mean * size)).collect()
-        });
-        Some(Scatter { residuals: residuals.collect(), is_known: false })
+        };
+        let even = |size: f64| scale / (size * all * sizes.len() as f64).sqrt();
+        let is_merged = sizes.len() < self.sizes.len();
+        let blocks = self.sums.iter().zip(&self.sizes).filter(|_| is_merged);
+        Some(Scatter {
+            residuals: sums
+                .iter()
+                .zip(&sizes)
+                .map(|(sums, size)| residual(sums, *size, even(*size)))
+                .collect(),
+            unbalanced: blocks.map(|(sums, size)| residual(sums, *size, scale / all)).collect(),
+            blocks: self.sizes.len(),
+            largest_weight: self.sizes.iter().copied().fold(0.0, f64::max) / all,
+            is_known: false,
+        })
     }
 }
 
@@ -158,7 +177,13 @@ impl Batches {
     pub fn level(&self, deviation: f64) -> Scatter {
         let sum = |witness: usize| self.sums.iter().map(|sums| sums[witness]).sum::<f64>();
         let residual = (0..self.block.len()).map(|witness| deviation * sum(witness)).collect();
-        Scatter { residuals: vec![residual], is_known: true }
+        Scatter {
+            residuals: vec![residual],
+            unbalanced: vec![],
+            blocks: 0,
+            largest_weight: 0.0,
+            is_known: true,
+        }
     }
 }
 
@@ -167,6 +192,13 @@ impl Batches {
 pub struct Scatter {
     /// Of each batch, what it moves the picture by.
     pub residuals: Vec<Vec<f64>>,
+    /// The same of what was gathered, where it had to be put together for batches to weigh alike;
+    /// else empty.
+    pub unbalanced: Vec<Vec<f64>>,
+    /// How many were gathered, a few of neighbours that were put together counting as one.
+    pub blocks: usize,
+    /// Share that the heaviest of them has in the weight of all.
+    pub largest_weight: f64,
     /// Whether it is one random number of known standard deviation, as a level that all pixels
     /// share; then there is one residual, and its square is the variance.
     pub is_known: bool,
@@ -176,7 +208,8 @@ impl Scatter {
     /// The same cause of error in a picture of which this one has a share.
     #[must_use]
     pub fn times(mut self, share: f64) -> Self {
-        self.residuals.iter_mut().flatten().for_each(|residual| *residual *= share);
+        let all = self.residuals.iter_mut().chain(&mut self.unbalanced);
+        all.flatten().for_each(|residual| *residual *= share);
         self
     }
 }

@@ -1,5 +1,6 @@
 //! The error of a picture in words, with what a smaller one would take.
 
+use etalon::camera::PictureError;
 use etalon::image::{ErrorFacts, Facts};
 use etalon::integrator::USUAL_TARGETS;
 
@@ -12,13 +13,24 @@ pub fn error_words(facts: &Facts) -> String {
     };
     let now = error.picture.relmse.sqrt();
     let projected = projection(facts, now);
+    let of = if facts.missing.is_empty() { "" } else { " of the light that it can find" };
     if error.picture.heavy_tail {
-        return format!(", relative error {} or more: {}{projected}", per_cent(now), heavy(error));
+        return format!(", relative error {} or more{of}: {}{projected}", per_cent(now), heavy(error));
     }
-    let interval = error.picture.relmse_ci95.map_or_else(String::new, |[low, high]| {
-        format!(" (95 %: {} to {})", number(low.sqrt()), number(high.sqrt()))
-    });
-    format!(", relative error {}{interval}{projected}", per_cent(now))
+    format!(", relative error {}{of}{}{projected}", per_cent(now), sureness(&error.picture))
+}
+
+/// The interval, or why there is none.
+fn sureness(picture: &PictureError) -> String {
+    /// Blocks whose scatter has a scatter.
+    const FEWEST_BLOCKS: u32 = 3;
+    match picture.relmse_ci95 {
+        Some([low, high]) => format!(" (95 %: {} to {})", number(low.sqrt()), number(high.sqrt())),
+        None if picture.blocks < FEWEST_BLOCKS => {
+            " (no interval: from fewer than three blocks of samples)".to_owned()
+        }
+        None => " (no interval: a few blocks outweigh all others)".to_owned(),
+    }
 }
 
 /// Why the estimate is not to be trusted.
@@ -98,6 +110,23 @@ mod tests {
             "more than a thousand years",
         ];
         assert_eq!(told, truth);
+    }
+
+    #[test]
+    fn a_missing_interval_has_a_reason() {
+        let of = |blocks: u32, relmse_ci95: Option<[f64; 2]>| {
+            sureness(&PictureError {
+                relmse: 1e-4,
+                relmse_ci95,
+                relmse_trimmed: 1e-4,
+                blocks,
+                correlated: true,
+                heavy_tail: false,
+            })
+        };
+        assert_eq!(of(16, Some([1e-4, 4e-4])), " (95 %: 1.00 to 2.00)");
+        assert!(of(2, None).contains("fewer than three blocks"));
+        assert!(of(16, None).contains("outweigh"));
     }
 
     #[test]

@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let layers = Layers { linear_srgb: arguments.linear_srgb };
     if let Some(folder) = &arguments.strategies {
         strategies::prepare(folder)?;
-        memory::check(&view, strategies::FILMS * memory::NUMBERS_OF_SAMPLES)?;
+        memory::check(&view, memory::Numbers::of_films(strategies::FILMS))?;
     }
     let (settled, choice) =
         auto::settle(&scene, &view, &arguments.effort, DEFAULT_SPP, Some(&arguments.keeping))?;
@@ -314,7 +314,7 @@ pub fn render_to_files(
     default_spp: u64,
     files: &Files<'_>,
 ) -> anyhow::Result<Facts> {
-    memory::check(view, memory::numbers_per_value(effort.integrator(), &effort.budget(default_spp)))?;
+    memory::check(view, memory::Numbers::of(effort.integrator(), &effort.budget(default_spp)))?;
     let integrator = effort.integrator();
     let plan = effort.plan(scene, &view.sensor);
     if !plan.unreachable.is_empty() {

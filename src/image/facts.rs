@@ -91,7 +91,7 @@ pub struct ErrorFacts {
     /// What is known of the error.
     #[serde(flatten)]
     pub picture: PictureError,
-    /// What a run like this one takes from the start to usual errors.
+    /// What a run like this one takes from the start to usual errors, and to the one asked for.
     pub seconds_to: Vec<Projection>,
 }
 
@@ -107,12 +107,16 @@ pub struct Projection {
 
 impl ErrorFacts {
     /// The error of a picture that took this time; `None` where nothing is known.
-    pub fn of(film: &Film, times: &Times) -> Option<Self> {
+    /// `asked` is the relative error that was asked for.
+    pub fn of(film: &Film, times: &Times, asked: Option<f64>) -> Option<Self> {
         let picture = film.error()?;
         let now = picture.relmse.sqrt();
+        let unusual = asked.filter(|asked| !USUAL_TARGETS.contains(asked));
         let seconds_to = USUAL_TARGETS
+            .into_iter()
+            .chain(unusual)
             .map(|target| Projection { relative_error: target, cost: times.to_reach(target, now) })
-            .to_vec();
+            .collect();
         Some(Self { picture, seconds_to })
     }
 }
@@ -154,7 +158,7 @@ impl Facts {
         film: &Film,
         times: Times,
     ) -> Self {
-        let error = ErrorFacts::of(film, &times);
+        let error = ErrorFacts::of(film, &times, budget.error);
         Self {
             version: env!("CARGO_PKG_VERSION"),
             git_hash: option_env!("ETALON_COMMIT"),

@@ -169,6 +169,10 @@ fn choose<'f, 'i>(
     let names: Vec<&str> = found.iter().map(|(_, name, _)| name.as_str()).collect();
     let by = |wanted: &dyn Fn(&str) -> bool| found.iter().find(|(_, name, _)| wanted(name));
     let chosen = match layer {
+        Some(layer) if names.iter().all(|name| name.is_empty()) => {
+            return Err(Error::new(format!("it has no layers, and none is called \"{layer}\""))
+                .hint("leave out --layer-a or --layer-b: the file is one picture"));
+        }
         Some(layer) => by(&|name| name == layer)
             .ok_or_else(|| Error::unknown_name("layer", layer, names.iter().copied()))?,
         None if found.len() == 1 => &found[0],

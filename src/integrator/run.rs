@@ -122,8 +122,12 @@ pub(crate) trait Source {
     fn block_size(&self, budget: &Budget, taken: u64, block: u32) -> u64;
     /// Takes a block.
     fn block(&self, gathered: &mut Gathered, block: &BlockOf, report_share: &(dyn Fn(f64) + Sync));
-    /// The picture of a half.
+    /// The picture of a half, with the errors of its pixels.
     fn picture<'g>(&self, gathered: &'g Gathered) -> Cow<'g, Film>;
+    /// The same with what its pixels share, which takes longer.
+    fn finished<'g>(&self, gathered: &'g Gathered) -> Cow<'g, Film> {
+        self.picture(gathered)
+    }
 }
 
 /// Counts what a run costs, from what it has cost before this process.
@@ -197,7 +201,8 @@ impl State {
                 self.halves[half].seconds += began.elapsed().as_secs_f64();
             }
             self.spent = clock.spent();
-            progress.block(budget, clock.elapsed(), &|| self.picture_of(source, |half| &half.gathered));
+            progress
+                .block(budget, clock.elapsed(), &|| self.picture_of(|half| source.picture(&half.gathered)));
             progress.keep(self, false);
         }
         self.spent = clock.spent();
@@ -246,8 +251,8 @@ impl State {
     }
 
     /// What is gathered so far, or what of it enters the picture, as one picture.
-    fn picture_of<'s>(&'s self, source: &dyn Source, of: impl Fn(&'s Half) -> &'s Gathered) -> Cow<'s, Film> {
-        let mut films = self.halves.iter().map(|half| source.picture(of(half)));
+    fn picture_of<'s>(&'s self, picture: impl Fn(&'s Half) -> Cow<'s, Film>) -> Cow<'s, Film> {
+        let mut films = self.halves.iter().map(picture);
         let first = films.next().expect("a run has one half at least");
         films.fold(first, |sum, film| Cow::Owned(sum.mean_with(&film)))
     }
@@ -264,7 +269,7 @@ impl State {
             samples_per_pixel: half.estimate().film.samples_per_pixel(),
             by: verdict(self.halves.len() - 1 - index),
         });
-        let film = self.picture_of(source, Half::estimate).into_owned();
+        let film = self.picture_of(|half| source.finished(half.estimate())).into_owned();
         let bootstrap = self.learned.is_some().then_some(self.before);
         Rendering {
             bootstrap,

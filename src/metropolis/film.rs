@@ -123,8 +123,9 @@ impl ChainFilm {
     /// error, which all pixels share.
     pub fn scatters(&self, normalisation: f64, error: f64) -> Vec<Scatter> {
         let Some(Watch { batches, .. }) = &self.watch else { return Vec::new() };
-        let level = batches.level(error / self.weight);
-        batches.scatter(normalisation).into_iter().chain((self.weight > 0.0).then_some(level)).collect()
+        // Chains that left nothing have no error, and no level.
+        let Some(chains) = batches.scatter(normalisation) else { return Vec::new() };
+        vec![chains, batches.level(error / self.weight)]
     }
 
     /// Standard errors of mean luminance over squares of pixels, where the normalisation and its

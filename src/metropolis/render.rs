@@ -359,10 +359,7 @@ impl Source for Mutated<'_, '_> {
         let Gathered { film, chains: Some(chains) } = gathered else {
             return Cow::Borrowed(&gathered.film);
         };
-        let estimates = &chains.estimates;
-        let unit = f64::from(self.world.light_unit);
-        let b = if estimates.found > 0 { unit * estimates.mean() } else { 0.0 };
-        let b_error = if estimates.found > 0 { unit * estimates.standard_error() } else { 0.0 };
+        let [b, b_error] = self.level(chains);
         let direct = &chains.direct;
         let mut film = film.map(|pixel, channel, _, _| {
             let (share, error) = chains.film.share(pixel, channel);
@@ -372,8 +369,15 @@ impl Source for Mutated<'_, '_> {
         });
         film.faults = direct.faults.clone();
         film.faults.merge(chains.faults.clone());
+        Cow::Owned(film)
+    }
+
+    fn finished<'g>(&self, gathered: &'g Gathered) -> Cow<'g, Film> {
+        let film = self.picture(gathered);
+        let Some(chains) = &gathered.chains else { return film };
+        let ([b, b_error], direct) = (self.level(chains), &chains.direct);
         let beside = direct.cell_errors();
-        Cow::Owned(film.with_finished(Finished {
+        Cow::Owned(film.into_owned().with_finished(Finished {
             scatters: chains.film.scatters(b, b_error).into_iter().chain(direct.scatters()).collect(),
             cells: beside.and_then(|beside| chains.film.cell_errors(b, b_error, &beside)),
             correlated: true,
@@ -382,6 +386,15 @@ impl Source for Mutated<'_, '_> {
 }
 
 impl Mutated<'_, '_> {
+    /// What chains are normalised by, in cd/m2, and its standard error; zero where none was found.
+    fn level(&self, chains: &Chains) -> [f64; 2] {
+        let (estimates, unit) = (&chains.estimates, f64::from(self.world.light_unit));
+        if estimates.found == 0 {
+            return [0.0; 2];
+        }
+        [unit * estimates.mean(), unit * estimates.standard_error()]
+    }
+
     /// One block: chains of their own, from starts of their own.
     fn chains(&self, gathered: &mut Chains, block: &BlockOf, report_share: &(dyn Fn(f64) + Sync)) {
         let (world, learned) = (self.world, self.learned);

@@ -61,6 +61,24 @@ fn two_renders_of_one_scene() {
     assert!(compare(&a, &a, "").out.contains("share random numbers"));
 }
 
+/// Paths from the camera are the same ones: noise of both is not what sets them apart.
+#[test]
+fn integrators_of_one_seed_are_not_independent() {
+    let of = |integrator: &str, seed: u64| {
+        let options = format!("--integrator {integrator} --spp 64 --seed {seed} --resolution 24x18");
+        rendered("compare-one-seed", &format!("{integrator}-{seed}"), &options)
+    };
+    let [path, bdpt, other] = [of("path", 1), of("bdpt", 1), of("bdpt", 2)];
+    let keys = ["mse_corrected", "relmse_corrected", "mse_corrected_ci95", "relmse_corrected_ci95"];
+    let found = compared(&path, &bdpt, "");
+    assert!(found["notes"].to_string().contains("share random numbers"), "{found:#}");
+    assert!(keys.iter().all(|key| found[key].is_null()), "{found:#}");
+    assert!(compare(&path, &bdpt, "").out.contains("share random numbers"));
+    let found = compared(&path, &other, "");
+    assert!(!found["notes"].to_string().contains("share random numbers"), "{found:#}");
+    assert!(keys[..2].iter().all(|key| found[key].is_number()), "{found:#}");
+}
+
 #[test]
 fn a_map_has_a_pixel_for_each_of_the_picture() {
     let a = rendered("compare-map", "a", "--integrator path --spp 64 --seed 1 --resolution 24x18");
@@ -93,11 +111,17 @@ const OWN: f64 = 0.01;
 
 /// A picture whose pixels share an error; with the errors of cells that follow from it, or none.
 fn correlated(folder: &Path, name: &str, seed: u64, has_cells: bool, factor: f64) -> PathBuf {
+    broken(folder, name, seed, has_cells, factor, 0)
+}
+
+/// The same with as many pixels that are not finite, from the first one on.
+fn broken(folder: &Path, name: &str, seed: u64, has_cells: bool, factor: f64, pixels: usize) -> PathBuf {
     let mut numbers = Numbers(etalon::sampler::mix(seed));
     let common = 1.0 + COMMON * numbers.normal();
     let truth = |pixel: usize| 10.0 + (pixel % SIDE) as f64;
-    let mean: Vec<f32> =
+    let mut mean: Vec<f32> =
         (0..PIXELS).map(|p| (factor * truth(p) * (common + OWN * numbers.normal())) as f32).collect();
+    mean[..pixels].fill(f32::NAN);
     let error = |pixel: usize| truth(pixel) * COMMON.hypot(OWN);
     let level = |cell_px: usize| {
         let side = SIDE / cell_px;
@@ -146,6 +170,26 @@ fn errors_of_cells_are_believed() {
     let a = correlated(&folder, "a.exr", 100, true, 1.5);
     let b = correlated(&folder, "b.exr", 101, true, 1.0);
     assert_eq!(compared(&a, &b, "")["verdict"], "different");
+}
+
+/// Of 1024 pixels one may be missing for the stated errors to be believed, and 64 may not.
+#[test]
+fn few_pixels_left_out_do_not_hide_the_errors_of_cells() {
+    let folder = folder("compare-left-out");
+    let b = correlated(&folder, "b.exr", 1, true, 1.0);
+    let whole = compared(&correlated(&folder, "a.exr", 2, true, 1.0), &b, "");
+    let found = compared(&broken(&folder, "a.exr", 2, true, 1.0, 1), &b, "");
+    assert_eq!(found["verdict"], "undecided", "{found:#}");
+    assert!(found["reason"].as_str().is_some_and(|reason| reason.contains("95 % interval")), "{found:#}");
+    for end in [0, 1] {
+        let [one, all] = [&found, &whole].map(|it| number(&it["mean_ratio_ci95"][end]));
+        assert!((one / all - 1.0).abs() < 1e-3, "{one}, with all pixels {all}");
+    }
+    let bright = correlated(&folder, "bright.exr", 3, true, 1.5);
+    assert_eq!(compared(&broken(&folder, "a.exr", 2, true, 1.0, 1), &bright, "")["verdict"], "different");
+    let found = compared(&broken(&folder, "a.exr", 2, true, 1.0, 64), &b, "");
+    assert!(found["reason"].as_str().is_some_and(|reason| reason.contains("left out")), "{found:#}");
+    assert!(found["mean_ratio_ci95"].is_null(), "{found:#}");
 }
 
 #[test]

@@ -115,6 +115,9 @@ fn a_picture_is_found_among_layers() {
     );
     assert_near(ratio(&compared(&several, &known, "--layer-a albedo")), 3.0);
     assert!(compare(&several, &known, "--layer-a albdo").err.contains("did you mean \"albedo\"?"));
+    let none = compare(&known, &known, "--layer-a foo");
+    assert_eq!((none.code, none.err.lines().count()), (2, 1), "{}", none.err);
+    assert!(none.err.contains("it has no layers, and none is called \"foo\""), "{}", none.err);
 }
 
 #[test]

@@ -27,6 +27,8 @@ pub struct Pair {
     pub estimates: [Estimate; 2],
     /// Pixels that count, in rows.
     pub counted: Vec<bool>,
+    /// Whether both may be of the same random numbers: then their noise does not add up.
+    pub shares_numbers: bool,
     /// What was assumed or left out, in words.
     pub notes: Vec<String>,
 }
@@ -53,9 +55,10 @@ impl Pair {
                 a.position, b.position
             ));
         }
-        if share_random_numbers(&a, &b) {
+        let shares_numbers = share_random_numbers(&a, &b);
+        if shares_numbers {
             notes.push(
-                "A and B are of one scene, integrator and seed: they share random numbers, and are not independent"
+                "A and B are of one scene and seed: they share random numbers and are not independent; figures without noise are left out, and tests may miss differences"
                     .to_owned(),
             );
         }
@@ -75,7 +78,7 @@ impl Pair {
             }
         }
         let files = files.map(|file| file.display().to_string());
-        Ok(Self { size: pictures[0].size, files, pictures, estimates, counted, notes })
+        Ok(Self { size: pictures[0].size, files, pictures, estimates, counted, shares_numbers, notes })
     }
 
     /// How many pixels were left out.
@@ -117,11 +120,9 @@ fn check_level(estimate: &Estimate, counted: &[bool]) -> Result<()> {
     Err(Error::new("its mean is not above zero, and cannot be scaled").hint("leave out --units relative"))
 }
 
+/// Whatever the integrators: several draw the same camera paths from one seed.
 fn share_random_numbers(a: &LuminancePicture, b: &LuminancePicture) -> bool {
-    let name = |picture: &LuminancePicture| {
-        let stated = &picture.stated;
-        Some((stated.scene_hash.clone()?, stated.integrator.clone()?, stated.seed?))
-    };
+    let name = |picture: &LuminancePicture| Some((picture.stated.scene_hash.clone()?, picture.stated.seed?));
     name(a).is_some() && name(a) == name(b)
 }
 

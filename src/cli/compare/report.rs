@@ -108,6 +108,7 @@ impl<'p> Report<'p> {
             Outcome::Undecided { samples_factor, reason } => ("undecided", Some(*reason), *samples_factor),
         };
         let finest = levels.first();
+        let corrected = measures.corrected.filter(|_| !pair.shares_numbers);
         Self {
             a: file(0),
             b: file(1),
@@ -117,12 +118,12 @@ impl<'p> Report<'p> {
             pixels: pair.counted.len() - pair.excluded(),
             pixels_excluded: pair.excluded(),
             mse: measures.mse,
-            mse_corrected: measures.corrected.map(|c| c.mse),
-            mse_corrected_ci95: measures.corrected.and_then(|c| c.intervals).map(|i| i[0]),
+            mse_corrected: corrected.map(|c| c.mse),
+            mse_corrected_ci95: corrected.and_then(|c| c.intervals).map(|i| i[0]),
             relmse: measures.relative.plain,
             relmse_trimmed: measures.relative.trimmed,
-            relmse_corrected: measures.corrected.map(|c| c.relative_mse),
-            relmse_corrected_ci95: measures.corrected.and_then(|c| c.intervals).map(|i| i[1]),
+            relmse_corrected: corrected.map(|c| c.relative_mse),
+            relmse_corrected_ci95: corrected.and_then(|c| c.intervals).map(|i| i[1]),
             mse_xyz: xyz.map(|channels| channels.map(|c| c[0])),
             relmse_xyz: xyz.map(|channels| channels.map(|c| c[1])),
             smape: measures.smape,
@@ -223,9 +224,10 @@ impl<'p> Report<'p> {
         let of = if self.scale_fitted.is_some() { "the quarters of the picture" } else { "the means" };
         match (self.verdict, self.reason) {
             ("equal", _) => format!("equal: nothing differs, and {of} are equal within {margin} %"),
-            ("different", _) => {
-                format!("different: equal pictures are called so once in {:.0} times", 1.0 / self.alpha)
-            }
+            ("different", _) => format!(
+                "different: equal pictures are meant to be called so once in {:.0} times, and are more often where samples are so few that bright ones were not met",
+                1.0 / self.alpha
+            ),
             (verdict, reason) => {
                 let reason = reason.unwrap_or_default();
                 let more = self.samples_factor.map_or(String::new(), |factor| {

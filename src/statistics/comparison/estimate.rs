@@ -5,6 +5,9 @@
 //! from those of the pixels; where light is splatted or chained, pixels depend on one another, and
 //! only stated errors of cells are believed.
 
+/// Share of a cell's pixels that may be left out for its stated error to be believed.
+const LARGEST_LEFT_OUT: f64 = 0.01;
+
 /// A picture of one channel and its error.
 #[derive(Clone, Debug)]
 pub struct Estimate {
@@ -47,6 +50,8 @@ pub struct Grid {
     pub cells: [usize; 2],
     /// Pixels of each cell that count.
     pub pixels: Vec<f64>,
+    /// Pixels of each cell.
+    pub area: Vec<f64>,
     /// Whether all of a cell's pixels count.
     pub complete: Vec<bool>,
 }
@@ -55,7 +60,7 @@ impl Grid {
     /// Single pixels.
     pub fn finest(size: [usize; 2], counted: &[bool]) -> Self {
         let pixels = counted.iter().map(|counted| f64::from(u8::from(*counted))).collect();
-        Self { cell_px: 1, cells: size, pixels, complete: counted.to_vec() }
+        Self { cell_px: 1, cells: size, pixels, area: vec![1.0; counted.len()], complete: counted.to_vec() }
     }
 
     /// Cells of twice the side; `None` beyond the whole picture.
@@ -64,13 +69,22 @@ impl Grid {
             return None;
         }
         let cells = self.cells.map(|side| side.div_ceil(2));
-        let (mut pixels, mut complete) = (vec![0.0; cells[0] * cells[1]], vec![true; cells[0] * cells[1]]);
+        let zeros = vec![0.0; cells[0] * cells[1]];
+        let (mut pixels, mut area, mut complete) = (zeros.clone(), zeros, vec![true; cells[0] * cells[1]]);
         for cell in 0..self.pixels.len() {
             let parent = self.parent(cell);
             pixels[parent] += self.pixels[cell];
+            area[parent] += self.area[cell];
             complete[parent] &= self.complete[cell];
         }
-        Some(Self { cell_px: 2 * self.cell_px, cells, pixels, complete })
+        Some(Self { cell_px: 2 * self.cell_px, cells, pixels, area, complete })
+    }
+
+    /// What the stated error of a cell is multiplied with where pixels are left out: of what counts,
+    /// the noise of the sum is taken to be that of all. `None` where too many are.
+    pub fn stretch(&self, cell: usize) -> Option<f64> {
+        let (counted, all) = (self.pixels[cell], self.area[cell]);
+        (all - counted <= LARGEST_LEFT_OUT * all).then(|| all / counted)
     }
 
     /// The cell of [`Self::coarser`] that a cell is a part of.

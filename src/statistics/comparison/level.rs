@@ -4,7 +4,8 @@
 //! [`LARGEST_SKEWNESS`], after the part that its picture has in the noise of the difference; where
 //! both pictures know of light, or both of none; and where a quarter of the level's lit cells are
 //! so. What is left of skewness is taken out of t at its worst: the picture that is darker is taken
-//! to have missed light.
+//! to have missed light. Below the whole picture, cells are judged only where both pictures have
+//! [`FEWEST_BLOCKS`].
 
 use super::estimate::Grid;
 use super::side::{Known, Side};
@@ -14,7 +15,10 @@ use crate::statistics::welch::{ROUNDING, Welch, unskewed};
 use std::fmt;
 
 /// Skewness of a mean up to which a correction of first order is near enough.
-pub const LARGEST_SKEWNESS: f64 = 0.5;
+pub const LARGEST_SKEWNESS: f64 = 0.3;
+/// Blocks behind standard errors from which cells below the whole picture are judged: variances
+/// of fewer say too little of their own scatter to bound the skewness with.
+pub const FEWEST_BLOCKS: f64 = 4.0;
 
 /// The test of all cells of one size.
 #[derive(Clone, Debug)]
@@ -87,14 +91,15 @@ fn unskewed_from_below(t: f64, skewness: f64) -> f64 {
     if skewness > 0.0 { unskewed(t, skewness).clamp(t, 0.0) } else { t }
 }
 
-/// All cells of one size, compared; `None` where one picture says nothing.
-pub fn compare(a: &Side, b: &Side) -> Vec<Option<Compared>> {
+/// All cells of one size, compared; `None` where one picture says nothing. `blocks`: behind the
+/// standard errors of the picture that has fewer.
+pub fn compare(a: &Side, b: &Side, blocks: f64) -> Vec<Option<Compared>> {
     let is_whole = a.len() == 1;
     let both = |(a, b): (&Option<Known>, &Option<Known>)| Some(Compared::of((*a)?, (*b)?, is_whole));
     let mut cells: Vec<Option<Compared>> = a.iter().zip(b).map(both).collect();
     let lit = cells.iter().flatten().filter(|cell| cell.is_lit()).count();
     let judged = cells.iter().flatten().filter(|cell| cell.judged && cell.is_lit()).count();
-    if (judged as f64) < FEWEST_TAME * lit as f64 {
+    if (judged as f64) < FEWEST_TAME * lit as f64 || !is_whole && blocks < FEWEST_BLOCKS {
         cells.iter_mut().flatten().for_each(|cell| cell.judged = false);
     }
     cells

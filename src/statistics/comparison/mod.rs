@@ -19,7 +19,7 @@ use super::agreement::ALPHA;
 use super::ratio::RatioInterval;
 use super::welch::Moments;
 use estimate::Grid;
-use level::{Compared, LARGEST_SKEWNESS};
+use level::{Compared, FEWEST_BLOCKS, LARGEST_SKEWNESS};
 use side::Side;
 
 /// What is compared.
@@ -119,8 +119,9 @@ impl Comparison {
         let grids: Vec<Grid> = std::iter::successors(Some(finest), Grid::coarser).collect();
         let sides =
             [(a, noises.0), (b, noises.1)].map(|(picture, noise)| pyramid(picture, noise, &grids, &lit));
+        let blocks = noises.0.blocks.min(noises.1.blocks);
         let cells: Vec<Vec<Option<Compared>>> =
-            sides[0].iter().zip(&sides[1]).map(|(a, b)| level::compare(a, b)).collect();
+            sides[0].iter().zip(&sides[1]).map(|(a, b)| level::compare(a, b, blocks)).collect();
         let alpha = ALPHA / (cells.len() + 1) as f64;
         let excess = Excess::of([a, b], [noises.0, noises.1], &grids[0], &lit, alpha);
         let levels: Vec<LevelResult> =
@@ -130,10 +131,17 @@ impl Comparison {
         let outcome = if differs {
             Outcome::Different
         } else {
-            match subject {
-                Subject::Levels => equal_within(cells.last().map_or(&[], Vec::as_slice), margin),
-                Subject::Shape => equal_within(&cells[cells.len().saturating_sub(2)], margin),
-            }
+            let of_whole = match subject {
+                Subject::Levels => cells.len() - 1,
+                Subject::Shape => cells.len().saturating_sub(2),
+            };
+            let is_left_out = grids[of_whole].complete.contains(&false);
+            let is_stated = |noise: &Noise| noise.independent || !noise.cells.is_empty();
+            let unknown = match is_left_out && is_stated(noises.0) && is_stated(noises.1) {
+                true => LEFT_OUT,
+                false => NOT_KNOWN,
+            };
+            equal_within(&cells[of_whole], margin, blocks, unknown)
         };
         let interval = interval.filter(|_| subject == Subject::Levels);
         let z =
@@ -146,13 +154,17 @@ impl Comparison {
 /// Why nothing can be tested.
 const NO_NOISE: &str = "no noise figures: a picture has no standard errors, or only one block of samples";
 const NOT_KNOWN: &str = "errors of means over the picture are not known, where pixels depend on one another";
+const LEFT_OUT: &str = "too many pixels are left out for the stated errors of means over the picture";
 const TOO_SKEWED: &str = "few bright samples make up the noise of the whole picture";
+const TOO_FEW_BLOCKS: &str =
+    "a picture has fewer than four blocks of samples, and parts of it are not judged";
 const TOO_NOISY: &str = "the 95 % interval of the ratio of means does not lie within the margin";
 
-/// Whether all cells are equal within the margin, where nothing differs.
-fn equal_within(cells: &[Option<Compared>], margin: f64) -> Outcome {
+/// Whether all cells are equal within the margin, where nothing differs; `unknown` says why one is
+/// not known.
+fn equal_within(cells: &[Option<Compared>], margin: f64, blocks: f64, unknown: &'static str) -> Outcome {
     let Some(cells) = cells.iter().copied().collect::<Option<Vec<Compared>>>() else {
-        return Outcome::Undecided { samples_factor: None, reason: NOT_KNOWN };
+        return Outcome::Undecided { samples_factor: None, reason: unknown };
     };
     let ratios: Vec<RatioInterval> = cells.iter().map(|cell| interval(cell, margin)).collect();
     let is_judged = cells.iter().all(|cell| cell.judged);
@@ -162,8 +174,14 @@ fn equal_within(cells: &[Option<Compared>], margin: f64) -> Outcome {
     // Skewness of a mean falls with the root of the number of samples.
     let tame = cells.iter().map(|cell| (cell.skewness / LARGEST_SKEWNESS).powi(2)).fold(0.0, f64::max);
     let narrow = ratios.iter().map(RatioInterval::samples_factor).fold(0.0, f64::max);
-    let reason = if is_judged { TOO_NOISY } else { TOO_SKEWED };
-    Outcome::Undecided { samples_factor: Some(tame.max(narrow)), reason }
+    let has_blocks = cells.len() == 1 || blocks >= FEWEST_BLOCKS;
+    let more_blocks = if has_blocks { 1.0 } else { FEWEST_BLOCKS / blocks };
+    let reason = match (is_judged, has_blocks) {
+        (true, _) => TOO_NOISY,
+        (false, true) => TOO_SKEWED,
+        (false, false) => TOO_FEW_BLOCKS,
+    };
+    Outcome::Undecided { samples_factor: Some(tame.max(narrow).max(more_blocks)), reason }
 }
 
 fn interval(cell: &Compared, margin: f64) -> RatioInterval {

@@ -17,6 +17,8 @@ use crate::statistics::pyramid::around;
 const KURTOSIS_OF_ONE_EVENT: f64 = 1.0;
 /// Parts of a cell.
 const PARTS: f64 = 4.0;
+/// Share of a cell's pixels that are in parts whose errors are known, at least.
+const MOST_PARTS: f64 = 0.5;
 
 /// What a picture says of one cell.
 #[derive(Clone, Copy, Debug)]
@@ -152,21 +154,23 @@ pub fn coarser_of_independent(finer: &Side, from: &Grid, to: &Grid) -> Side {
         .collect()
 }
 
+/// Variance of the mean over the pixels of a cell that count; NaN where it is not known.
+fn stated_variance(stated: &CellErrors, grid: &Grid, cell: usize) -> f64 {
+    grid.stretch(cell).map_or(f64::NAN, |stretch| (stretch * stated.standard_error[cell]).powi(2))
+}
+
 /// Cells with stated errors, at the finest size that has them: told by their neighbours.
 pub fn stated(mean: &[f64], stated: &CellErrors, blocks: f64, grid: &Grid) -> Side {
-    let variance: Vec<f64> = stated.standard_error.iter().map(|error| error * error).collect();
+    let variance: Vec<f64> = (0..mean.len()).map(|cell| stated_variance(stated, grid, cell)).collect();
     let lit: Vec<bool> = mean.iter().zip(&variance).map(|(mean, v)| *mean != 0.0 || *v != 0.0).collect();
-    let usable: Vec<bool> = variance
-        .iter()
-        .zip(&grid.complete)
-        .map(|(variance, complete)| variance.is_finite() && *complete)
-        .collect();
+    let usable: Vec<bool> = variance.iter().map(|variance| variance.is_finite()).collect();
     known_by_neighbours(mean, &variance, blocks, grid, &lit, &usable)
 }
 
 /// Cells with stated errors that have parts with stated errors. Of four independent parts the
 /// kurtosis falls to a quarter, of four that go together it stays; how far they do is told by the
-/// variance of the cell against those of its parts.
+/// variance of the cell against those of its parts. Parts that are not known are taken to be like
+/// the others, which are most.
 pub fn coarser_of_stated(
     mean: &[f64],
     stated: &CellErrors,
@@ -177,13 +181,15 @@ pub fn coarser_of_stated(
 ) -> Side {
     let parts = sums(finer, from, to);
     let known = |cell: usize| {
-        let (sum, variance) = (parts[cell], stated.standard_error[cell].powi(2));
-        if !variance.is_finite() || !to.complete[cell] || sum.unknown {
+        let (sum, variance) = (parts[cell], stated_variance(stated, to, cell));
+        if !variance.is_finite() || sum.pixels < MOST_PARTS * to.pixels[cell] {
             return None;
         }
-        let together = (variance * sum.pixels * sum.pixels / sum.variance).clamp(1.0, PARTS);
+        // Sums over all parts are so many times those over the known ones.
+        let times = to.pixels[cell] / sum.pixels;
+        let together = (variance * to.pixels[cell].powi(2) / (times * sum.variance)).clamp(1.0, PARTS);
         let kurtosis =
-            if sum.variance > 0.0 { together * sum.fourth / (sum.steady * sum.steady) } else { 0.0 };
+            if sum.variance > 0.0 { together * sum.fourth / (times * sum.steady * sum.steady) } else { 0.0 };
         let freedom = 2.0 / (2.0 / (blocks - 1.0) + kurtosis);
         Some(Known { mean: mean[cell], variance, steady: variance, kurtosis, freedom })
     };
