@@ -56,7 +56,8 @@ pub struct PictureError {
     /// Whether pixels share random numbers: one path lights several, or chains were mutated.
     pub correlated: bool,
     /// Whether 0.1 % of the pixels, or one of 16 batches or more, carry more than half of it, or one
-    /// block of chains weighs more than half of four or more: then rare samples decide, those that
+    /// block of chains weighs more than half of four or more, or so much that fewer than three
+    /// batches alike are left of them: then rare samples decide, those that
     /// were not met are missing, and neither the estimate nor its interval is to be trusted.
     pub heavy_tail: bool,
 }
@@ -190,6 +191,10 @@ impl Spread {
         self.largest_share = shares.into_iter().fold(self.largest_share, f64::max);
         if terms.len() < FEWEST_BATCHES {
             self.is_unknown = true;
+            // Then one of many blocks has a third of the weight or more.
+            if scatter.blocks >= ENOUGH_BLOCKS {
+                self.largest_share = 1.0;
+            }
             return;
         }
         let batches = terms.len() as f64;
