@@ -4,7 +4,7 @@
 use etalon::error::{Error, Result};
 use etalon::integrator::Budget;
 use etalon::pilot::choose;
-use etalon::scene::Scene;
+use etalon::scene::{Leaving, Scene};
 use std::path::Path;
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ fn main() -> Result<()> {
     let seed = arguments.get(2).and_then(|seed| seed.parse().ok()).unwrap_or(0);
     let scene = Scene::load(Path::new(file))?;
     let budget = Budget { samples_per_pixel: u64::MAX, time: Some(seconds), error: None, seed };
-    let choice = choose(&scene, scene.view()?, &budget, None);
+    let choice = choose(&scene, scene.view()?, &budget, None, &Leaving::all());
     eprintln!("{}", choice.report);
     println!("{}", serde_json::to_string_pretty(&choice.report).map_err(|e| Error::new(e.to_string()))?);
     Ok(())

@@ -35,7 +35,7 @@ pub struct Effort {
     #[arg(long, value_name = "NAME", value_parser = algorithm)]
     pub integrator: Option<Algorithm>,
     /// Groups of strategies that bdpt uses, of path, joins and splats, as path,splats [default: all]
-    #[arg(long, value_name = "LIST", requires = "integrator", value_parser = groups)]
+    #[arg(long, value_name = "LIST", value_parser = groups)]
     pub groups: Option<Groups>,
     /// Cut paths off after this many bounces and say what that loses [default: no limit]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=MOST_BOUNCES))]

@@ -7,7 +7,7 @@ use etalon::pilot::{Report, choose};
 use etalon::scene::{Scene, View};
 
 /// The effort with an algorithm, and what picked it where nobody named one. A run that is gone on
-/// with keeps what was picked for it.
+/// with keeps what it has been rendered with so far.
 ///
 /// # Errors
 /// Where groups are given without their algorithm, or the checkpoint cannot be read.
@@ -22,10 +22,9 @@ pub fn settle(
         return Ok((effort.with(selection), None));
     }
     if let Some(selection) = keeping.map(|keeping| keeping.selection(view)).transpose()?.flatten() {
-        super::print(&format!("auto: {selection}, as picked for the run that is gone on with"));
         return Ok((effort.with(selection), None));
     }
-    let choice = choose(scene, view, &effort.budget(default_spp), effort.max_bounces);
+    let choice = choose(scene, view, &effort.budget(default_spp), effort.max_bounces, &effort.leaving);
     super::print(&choice.report.to_string());
     Ok((effort.with(choice.selection), Some(choice.report)))
 }

@@ -99,7 +99,10 @@ impl Keeping {
             };
             let what = from.as_ref().map_or_else(
                 || "no checkpoint yet, the run begins".to_owned(),
-                |state| format!("going on from {} samples per pixel", state.samples_per_pixel()),
+                |state| {
+                    let samples_per_pixel = state.samples_per_pixel();
+                    format!("going on from {samples_per_pixel} samples per pixel of {}", identity.integrator)
+                },
             );
             super::notice(&format!("{}: {what}", file.display()));
         }

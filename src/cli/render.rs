@@ -16,7 +16,8 @@ use etalon::image::{
 };
 use etalon::integrator::{Budget, Integrator, Rendering, Stopwatch, Times};
 use etalon::metropolis::Outcome;
-use etalon::pilot::Report;
+use etalon::path::Groups;
+use etalon::pilot::{Report, Selection};
 use etalon::scene::conditions::{Condition, Kind, ORDINARY_SPP, conditions, in_short};
 use etalon::scene::{NOTHING_SHINES, Plan, Scene, View};
 use std::path::{Path, PathBuf};
@@ -108,7 +109,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let effort = &settled;
     let plan = effort.plan(&scene, &view.sensor);
     if arguments.strict && !plan.unreachable.is_empty() {
-        eprintln!("error: {}: {}", arguments.scene.display(), missing(&plan, effort.integrator()));
+        eprintln!("error: {}: {}", arguments.scene.display(), missing(&scene, &plan, effort.selected()));
         return Ok(ExitCode::from(3));
     }
     let files = Files {
@@ -206,10 +207,10 @@ impl std::fmt::Display for NothingFound {
 }
 
 /// What a plan's strategies cannot find, on one line.
-fn missing(plan: &Plan, integrator: Integrator) -> String {
+fn missing(scene: &Scene, plan: &Plan, selection: Selection) -> String {
     let classes: Vec<String> =
         plan.unreachable.iter().map(|class| format!("{} ({})", class.meaning, class.word)).collect();
-    let remedy = match integrator {
+    let of_scene = match selection.integrator {
         Integrator::Path => {
             "give the lamp its real size, or use --integrator bdpt and give the camera a lens (focus_distance)"
         }
@@ -218,7 +219,28 @@ fn missing(plan: &Plan, integrator: Integrator) -> String {
             "give the lamp its real size, or the camera a lens (focus_distance)"
         }
     };
+    let of_groups = selection.groups.and_then(|groups| groups_to_add(scene, plan, groups));
+    let remedy = of_groups.unwrap_or_else(|| of_scene.to_owned());
     format!("cannot be found and is missing: {}; {remedy}", classes.join("; "))
+}
+
+/// What to do with `--groups` for the light that all groups together would find; `None` where that
+/// is no more than some do.
+fn groups_to_add(scene: &Scene, plan: &Plan, groups: Groups) -> Option<String> {
+    let missed_by = |groups: Groups| etalon::scene::unreachable(scene, &groups.strategies()).len();
+    let fewest = missed_by(Groups::ALL);
+    if plan.unreachable.len() <= fewest {
+        return None;
+    }
+    let with_one_more = [
+        ("path", Groups { path: true, ..groups }),
+        ("splats", Groups { splats: true, ..groups }),
+        ("joins", Groups { joins: true, ..groups }),
+    ];
+    let enough = with_one_more.into_iter().find(|(_, groups)| missed_by(*groups) == fewest);
+    Some(
+        enough.map_or_else(|| "leave --groups out".to_owned(), |(name, _)| format!("add {name} to --groups")),
+    )
 }
 
 /// Whether a file of this name can be written: its ending, its folder, the permissions.
@@ -318,7 +340,7 @@ pub fn render_to_files(
     let integrator = effort.integrator();
     let plan = effort.plan(scene, &view.sensor);
     if !plan.unreachable.is_empty() {
-        eprintln!("warning: {}", missing(&plan, integrator));
+        eprintln!("warning: {}", missing(scene, &plan, effort.selected()));
     }
     let nothing_shines = plan.reasons.iter().any(|reason| reason == NOTHING_SHINES);
     if nothing_shines {

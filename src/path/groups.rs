@@ -117,10 +117,10 @@ impl Shares {
         self.cubes[kind(s, t)] += squared * squared.sqrt();
     }
 
-    /// Nothing is left for a list, as another strategy is more likely beyond any number.
-    pub(super) fn set_beyond(&mut self) {
-        self.squares = [f64::INFINITY; KINDS];
-        self.cubes = [0.0; KINDS];
+    /// Nothing is left for lists that have the strategy (s, t), which is more likely beyond any
+    /// number. Others go by what was added before; what was not is unlikely beside it, or found by it.
+    pub(super) fn set_beyond(&mut self, s: usize, t: usize) {
+        self.squares[kind(s, t)] = f64::INFINITY;
     }
 
     fn sum(of: &[f64; KINDS], strategies: &Strategies) -> f64 {
@@ -159,10 +159,19 @@ impl Shares {
     ///
     /// With relative densities r, strategy i of the list finds the path with weight r_i^2 / sum r^2
     /// and estimate 1 / r_i: the squares of what they contribute have the mean
-    /// sum r^3 / (sum r^2)^2.
+    /// sum r^3 / (sum r^2)^2, which is at most 1 / sqrt(sum r^2). That bound, very large for a list that
+    /// is unlikely beyond the range of powers, stands for the mean where these are lost.
     pub fn second_moment(&self, strategies: &Strategies) -> Option<f64> {
+        /// Sums whose powers `f64` holds.
+        const IN_RANGE: std::ops::Range<f64> = 1e-140..1e140;
         let squares = Self::sum(&self.squares, strategies);
-        (squares > 0.0).then(|| Self::sum(&self.cubes, strategies) / (squares * squares))
+        (squares > 0.0).then(|| {
+            if IN_RANGE.contains(&squares) {
+                Self::sum(&self.cubes, strategies) / (squares * squares)
+            } else {
+                1.0 / squares.sqrt()
+            }
+        })
     }
 }
 
@@ -202,5 +211,26 @@ mod tests {
         assert!(close(shares.second_moment(&Strategies::LIGHT).expect("made"), 27.0 / 81.0));
         let joins = Groups { path: false, joins: true, splats: false };
         assert_eq!(shares.second_moment(&joins.strategies()), None);
+    }
+
+    /// Where one strategy is likely beyond any number, lists that have it are left nothing to find by
+    /// others, and to lists that are unlikely beyond any number a path is worth very much.
+    #[test]
+    fn shares_beyond_the_range_of_powers_stay_numbers() {
+        let mut shares = Shares::new(1, 2, 1.0);
+        shares.set_beyond(3, 0);
+        assert_eq!([shares.weight(&Strategies::ALL), shares.weight(&Strategies::PATH)], [0.0, 1.0]);
+        assert_eq!(shares.second_moment(&Strategies::ALL), Some(0.0));
+        assert_eq!(shares.second_moment(&Strategies::PATH), Some(1.0));
+        let path_under = |squared: f64| {
+            let mut shares = Shares::new(3, 0, 1.0);
+            shares.add(1, 2, squared);
+            shares.second_moment(&Strategies::PATH).expect("made")
+        };
+        for exponent in [-280, -100, 0, 100, 230] {
+            let expected = 10_f64.powi(-exponent / 2);
+            let found = path_under(10_f64.powi(exponent));
+            assert!((found / expected - 1.0).abs() < 1e-9, "1e{exponent}: {found}");
+        }
     }
 }

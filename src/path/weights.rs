@@ -251,21 +251,21 @@ impl Made<'_> {
         let within = self
             .fewer_from_light::<D>(&Strategies::ALL, &eye_side, &mut note)
             .and_then(|()| self.more_from_light::<D>(&Strategies::ALL, &light_side, &mut note));
-        if within.is_none() {
-            shares.set_beyond();
+        if let Err(s) = within {
+            shares.set_beyond(s, self.count - s);
         }
         shares
     }
 
     /// Hands on the squared densities of strategies with fewer vertices from the light, relative
-    /// to this one's hero; `None` beyond the range.
+    /// to this one's hero; an error, with its vertices from the light, is the first beyond the range.
     #[inline]
     fn fewer_from_light<D: Density>(
         &self,
         strategies: &Strategies,
         eye_side: &Spectrum,
         mut put: impl FnMut(usize, f64),
-    ) -> Option<()> {
+    ) -> Result<(), usize> {
         let (fewest, _) = strategies.span(self.count);
         let mut ratio = Ratio::new(D::relative(eye_side));
         for s in (fewest..self.from_light).rev() {
@@ -273,10 +273,11 @@ impl Made<'_> {
             let drawn = if s == 0 { self.first_drawn() } else { vertex.light.hero() };
             ratio.multiply(D::of(&vertex.eye).scaled(1.0 / drawn));
             if self.is_open(strategies, s) {
-                put(s, ratio.squared(D::relative(&self.lanes_before(s)).scaled(self.asked_instead(s)))?);
+                let rest = D::relative(&self.lanes_before(s)).scaled(self.asked_instead(s));
+                put(s, ratio.squared(rest).ok_or(s)?);
             }
         }
-        Some(())
+        Ok(())
     }
 
     /// The same for strategies with more vertices from the light.
@@ -286,7 +287,7 @@ impl Made<'_> {
         strategies: &Strategies,
         light_side: &Spectrum,
         mut put: impl FnMut(usize, f64),
-    ) -> Option<()> {
+    ) -> Result<(), usize> {
         let (_, most) = strategies.span(self.count);
         let mut ratio = Ratio::new(D::relative(light_side));
         if self.from_light == 1 {
@@ -296,10 +297,11 @@ impl Made<'_> {
             let vertex = &self.vertices[s - 1];
             ratio.multiply(D::of(&vertex.light).scaled(1.0 / vertex.eye.hero()));
             if self.is_open(strategies, s) {
-                put(s, ratio.squared(D::relative(&self.lanes_from(s)).scaled(self.asked_instead(s)))?);
+                let rest = D::relative(&self.lanes_from(s)).scaled(self.asked_instead(s));
+                put(s, ratio.squared(rest).ok_or(s)?);
             }
         }
-        Some(())
+        Ok(())
     }
 
     /// What a strategy draws the light's own vertex with, over the density of a subpath from

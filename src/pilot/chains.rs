@@ -56,7 +56,8 @@ pub fn measure(
     };
     let mean = short.pixels.iter().enumerate().map(of_pixel).sum::<f64>() / short.pixels.len() as f64;
     let scale = findings.at_pixels_by_cells(list) / findings.at_pixels(list, level);
-    let scale = if scale.is_finite() { scale.clamp(1.0 / MOST_SCALED, MOST_SCALED) } else { 1.0 };
+    let is_known = scale.is_finite() && scale > 0.0;
+    let scale = if is_known { scale.clamp(1.0 / MOST_SCALED, MOST_SCALED) } else { 1.0 };
     Some(Chained {
         relmse: samples_per_pixel as f64 * mean * scale,
         mutations: samples_per_pixel * short.pixels.len() as u64,

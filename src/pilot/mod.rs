@@ -22,7 +22,8 @@ use crate::integrator::{Bounded, Budget, FEWEST_SAMPLES, Integrator, cpu_seconds
 use crate::material::Material;
 use crate::path::{Eye, Groups, Strategies};
 use crate::sampler::mix;
-use crate::scene::{Plan, Scene, View};
+use crate::scene::{Leaving, Plan, Scene, View};
+use report::UNTRIED;
 use samples::{Findings, Pilot, SAMPLES_PER_PIXEL};
 use std::time::Instant;
 
@@ -36,15 +37,26 @@ const FEWEST_PIXELS: u64 = 256;
 const MOST_PIXELS: u64 = 1 << 14;
 /// Mutations of a pilot of chains, at least and at most.
 const MUTATIONS: [u64; 2] = [1 << 16, 1 << 21];
+/// Times as efficient as the best list that chains without memory must be, judged as chains are, for
+/// these to be tried at more than the ordinary share of the work.
+const PROMISE: f64 = 4.0;
+/// That share, and the mutations that are enough then.
+const PROMISED_SHARE: f64 = 0.12;
+const FEWEST_PROMISED: u64 = 1 << 14;
 /// What is simpler is picked where it is within this factor of the best.
 const NEAR_TIE: f64 = 1.05;
 /// Light that a list may miss by rounding.
 const NOTHING_MISSING: f64 = 1e-4;
+/// Factor in disfavour of chains: short ones do not show how long they remember, and the pilot's
+/// samples, whose pixels are independent, are not stratified as a render's blocks of 16 are, which
+/// makes lists look up to twice as bad as they are. Against efficiencies measured at 64 to 96
+/// pixels' width (pilots for 60 s, 2026-11-23) chains looked 1 to 2 times better than they are on
+/// cornell-ccd, 3 on schoedl-2007-small-bulb, 3 to 4 on schoedl-2007, 4 on stanford and slit-room, 5
+/// on yale-grey and door-ajar. Where they win by far, as past the door, they win in spite of it.
+const MEMORY: f64 = 6.0;
 /// Chains are tried only where they would win at this multiple of the error that chains without
-/// memory would have.
-const HOPE: f64 = 1.0;
-/// Factor in disfavour of chains: short ones do not show how long they remember.
-const MEMORY: f64 = 1.25;
+/// memory would have: half of what they are judged by, since cells tell that error roughly.
+const HOPE: f64 = 0.5 * MEMORY;
 /// Names the pilot's random numbers.
 const SEED: u64 = 0x0070_696c_6f74;
 
@@ -66,11 +78,20 @@ pub struct Choice {
     pub report: Report,
 }
 
-/// Picks what renders a view of a scene best within a budget.
-pub fn choose(scene: &Scene, view: &View, budget: &Budget, most_bounces: Option<u32>) -> Choice {
+/// Picks what renders a view of a scene best within a budget, under plans that leave out what
+/// `leaving` lets them and, where bounces are limited, follow so many.
+pub fn choose(
+    scene: &Scene,
+    view: &View,
+    budget: &Budget,
+    most_bounces: Option<u32>,
+    leaving: &Leaving,
+) -> Choice {
     let (began, cpu_before) = (Instant::now(), cpu_seconds());
-    let plan_of =
-        |groups: Groups| Plan { most_bounces, ..Plan::of(scene, &view.sensor, groups.strategies()) };
+    let plan_of = |groups: Groups| {
+        let plan = Plan::under(scene, &view.sensor, groups.strategies(), leaving);
+        Plan { most_bounces, ..plan }
+    };
     let plans = LISTS.map(plan_of);
     let mut choice = match after_pilot(scene, view, budget, &plans) {
         Ok(choice) => choice,
@@ -148,15 +169,18 @@ fn after_pilot(
     }
     let pixels = pixels.min(MOST_PIXELS);
     let findings = pilot(pixels);
+    if !findings.found_light() {
+        return Err("the pilot found no light");
+    }
     let mut rows = rows(&findings, plans, &lists);
     let usable = rows.iter().enumerate().filter(|(_, row)| row.excluded.is_none());
     let best = usable.map(|(list, row)| (list, row.cost())).min_by(|(_, a), (_, b)| a.total_cmp(b));
-    let Some((list, best)) = best.filter(|(_, cost)| cost.is_finite() && *cost > 0.0) else {
-        return Err("the pilot found no light");
+    let Some((list, best)) = best.filter(|(_, cost)| cost.is_finite()) else {
+        return Err("the pilot's figures are beyond any number");
     };
-    let left_s = allowed_s - pixels as f64 * pixel_s;
+    let spent_s = pixels as f64 * pixel_s;
     let chains =
-        try_chains(scene, view, (&bounded.plan, &findings), (list, best), (mix(seed), left_s, render_s));
+        try_chains(scene, view, (&bounded.plan, &findings), (list, best), (mix(seed), spent_s, render_s));
     let mutations = chains.mutations;
     rows.push(chains);
     let picked = pick(&rows);
@@ -177,11 +201,14 @@ fn rows(findings: &Findings, plans: &[Plan; LISTS.len()], lists: &[(Strategies, 
     let all = &plans[LISTS.len() - 1];
     let of_list = |list: usize| {
         let (groups, plan, expected) = (LISTS[list], &plans[list], &findings.lists[list]);
+        let misses_some = expected.missing > NOTHING_MISSING;
+        let share = format!("{:.2} % of the light", 100.0 * expected.missing);
         let excluded = if !misses_nothing(plan, all) {
             let words = plan.unreachable.iter().map(|class| class.word).collect::<Vec<_>>().join(", ");
-            Some(format!("cannot find light on the way {words}"))
-        } else if expected.missing > NOTHING_MISSING {
-            Some(format!("cannot find {:.2} % of the light", 100.0 * expected.missing))
+            let share = if misses_some { format!(", {share}") } else { String::new() };
+            Some(format!("cannot find light on the way {words}{share}"))
+        } else if misses_some {
+            Some(format!("cannot find {share}"))
         } else if !lists[list].1 {
             Some("no more than a bound is known: how roulette ends its long walks is not in it".to_owned())
         } else {
@@ -190,7 +217,7 @@ fn rows(findings: &Findings, plans: &[Plan; LISTS.len()], lists: &[(Strategies, 
         Row {
             name: Selection::of_groups(groups),
             relmse_per_sample: Some(expected.relmse),
-            scatter_per_sample: Some(expected.scatter),
+            scatter_per_sample: lists[list].1.then_some(expected.scatter),
             seconds_per_sample: findings.counts.seconds_per_sample(groups),
             efficiency: None,
             excluded,
@@ -206,7 +233,7 @@ fn try_chains(
     view: &View,
     (plan, findings): (&Plan, &Findings),
     (list, best): (usize, f64),
-    (seed, left_s, render_s): (u64, f64, f64),
+    (seed, spent_s, render_s): (u64, f64, f64),
 ) -> Row {
     let seconds_per_sample = findings.counts.seconds_per_mutation();
     let row = |relmse: Option<f64>, mutations: u64, excluded: Option<&str>| Row {
@@ -218,13 +245,21 @@ fn try_chains(
         excluded: excluded.map(ToOwned::to_owned),
         mutations,
     };
-    let at_best = HOPE * findings.visits;
-    if at_best * seconds_per_sample > best {
-        return row(Some(at_best), 0, Some("not tried: even chains without memory would be slower"));
+    let at_best = findings.visits * seconds_per_sample;
+    if HOPE * at_best > best {
+        let reason = "not tried: even chains that remember little would be slower";
+        return row(Some(HOPE * findings.visits), 0, Some(reason));
     }
-    let mutations = ((left_s / seconds_per_sample) as u64).min(MUTATIONS[1]);
-    if mutations < MUTATIONS[0] {
-        return row(None, 0, Some("not tried: too little is to be rendered"));
+    let within = |share: f64| (((share * render_s - spent_s) / seconds_per_sample) as u64).min(MUTATIONS[1]);
+    let promise = best / (MEMORY * at_best);
+    let (fewest, mutations) = match within(SHARE) {
+        few if few < MUTATIONS[0] && promise >= PROMISE => {
+            (FEWEST_PROMISED, within(PROMISED_SHARE).min(MUTATIONS[0]))
+        }
+        mutations => (MUTATIONS[0], mutations),
+    };
+    if mutations < fewest {
+        return row(None, 0, Some(UNTRIED));
     }
     match chains::measure(scene, view, plan, (findings, list), (seed, mutations)) {
         Some(chained) => {

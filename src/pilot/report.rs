@@ -1,10 +1,13 @@
 //! What a pilot tells: what was picked, from which figures, and what that has cost.
 
+use super::NEAR_TIE;
 use super::selection::Selection;
 use super::work::Counts;
 use crate::integrator::Cost;
-use crate::path::Groups;
 use serde::Serialize;
+
+/// Said of chains that could have won, and for which the work is too little.
+pub(super) const UNTRIED: &str = "not tried: too little is to be rendered";
 
 /// How a choice was made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -19,7 +22,7 @@ pub enum By {
 /// What `--integrator auto` says about itself.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// What was picked, as `bdpt` or `bdpt path,splats`.
+    /// What was picked, as `bdpt` or `bdpt --groups path,splats`.
     pub pick: Selection,
     /// How.
     pub by: By,
@@ -116,36 +119,89 @@ impl Report {
         }
     }
 
-    /// How many times as efficient as another the pick is expected to be.
+    /// How efficient the pick is expected to be beside another.
     fn over(&self, name: &str) -> Option<String> {
-        let row = self.candidates.iter().find(|row| row.name.to_string() == name)?;
-        if row.name == self.pick {
+        let place = |name: &str| self.candidates.iter().position(|row| row.name.to_string() == name);
+        let (other, picked) = (place(name)?, place(&self.pick.to_string())?);
+        let row = &self.candidates[other];
+        if other == picked {
             return None;
         }
         if row.excluded.is_some() && name == "path" {
             return Some("path misses light".to_owned());
         }
-        Some(format!("{:.2} times the efficiency of {name}", 1.0 / row.efficiency?))
+        if row.excluded.as_deref() == Some(UNTRIED) {
+            return Some(format!("{name} was not tried, as too little is to be rendered, and may be better"));
+        }
+        let ratio = 1.0 / row.efficiency?;
+        Some(if other > picked && ratio <= NEAR_TIE {
+            format!("as good as {name} within 5 %, and simpler")
+        } else {
+            format!("{} the efficiency of {name} expected", times(ratio))
+        })
     }
 }
 
-/// A selection in words.
-fn in_words(selection: Selection) -> String {
-    match selection.groups {
-        Some(Groups { path: true, joins: true, splats: false }) => "bdpt without splats".to_owned(),
-        Some(Groups { path: true, joins: false, splats: true }) => "bdpt without joins".to_owned(),
-        _ => selection.to_string(),
+/// A ratio in words, to two digits: a pilot knows no more.
+fn times(ratio: f64) -> String {
+    /// Above it, a ratio is a matter of what was met by chance.
+    const MOST: f64 = 100.0;
+    match ratio {
+        ratio if ratio > MOST => format!("more than {MOST} times"),
+        ratio if ratio >= 9.95 => format!("{ratio:.0} times"),
+        ratio if ratio >= 0.995 => format!("{ratio:.1} times"),
+        ratio => format!("{ratio:.2} times"),
     }
 }
 
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "auto: {}", in_words(self.pick))?;
+        write!(f, "auto: {}", self.pick)?;
         if let Some(reason) = &self.reason {
             return write!(f, ": {reason}");
         }
         let others: Vec<String> =
             ["path", "bdpt", "mlt"].into_iter().filter_map(|name| self.over(name)).collect();
-        write!(f, ": {}; the pilot took {:.1} s", others.join(", "), self.wall_s)
+        write!(f, ": {}; the pilot took {:.1} s", others.join("; "), self.wall_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::Integrator;
+
+    #[test]
+    fn ratios_are_said_no_more_exactly_than_they_are_known() {
+        let said = [0.9612, 1.0, 1.249, 9.949, 9.96, 29.49, 100.0, 100.5, 1e9, f64::INFINITY].map(times);
+        let expected = ["0.96", "1.0", "1.2", "9.9", "10", "29", "100"].map(|words| format!("{words} times"));
+        assert_eq!(said[..7], expected);
+        assert!(said[7..].iter().all(|words| words == "more than 100 times"));
+    }
+
+    #[test]
+    fn a_near_tie_and_chains_that_were_not_tried_are_said_to_be_such() {
+        let row = |integrator, relmse, excluded: Option<&str>| Row {
+            name: Selection::whole(integrator),
+            relmse_per_sample: relmse,
+            scatter_per_sample: relmse,
+            seconds_per_sample: 1e-6,
+            efficiency: None,
+            excluded: excluded.map(ToOwned::to_owned),
+            mutations: 0,
+        };
+        let rows = vec![
+            row(Integrator::Path, Some(1.03), None),
+            row(Integrator::Bdpt, Some(1.0), None),
+            row(Integrator::Mlt, None, Some(UNTRIED)),
+        ];
+        let words = Report::of(rows.clone(), 0, 1, 0, 1.0, Counts::default()).to_string();
+        assert!(
+            words.contains("auto: path: as good as bdpt within 5 %, and simpler; mlt was not tried"),
+            "{words}"
+        );
+        // What is simpler than the pick is not said to be more than it is.
+        let words = Report::of(rows, 1, 1, 0, 1.0, Counts::default()).to_string();
+        assert!(words.contains("auto: bdpt: 1.0 times the efficiency of path expected;"), "{words}");
     }
 }

@@ -13,6 +13,10 @@
 //! Roulette and the choice among joints belong to the strategy that found a path and cancel in
 //! both terms.
 //!
+//! What the exchange adds has the mean zero, and where a list's own samples have met much of the
+//! rare light it can take more off than there is. So the sum is bounded by a tenth of the scatter:
+//! that leaves room for what is seldom met, and met by chance, to be told down to what it is.
+//!
 //! The measure is relative: variance of luminance over squared luminance, plus (1 % of the mean)^2,
 //! of cells of the picture that hold some hundred samples each, all lists by the same cells. Lamps
 //! in view, and what they shine on straight, differ from pixel to pixel: that light is taken from the
@@ -41,6 +45,8 @@ const MOST_CELLS: f64 = 1024.0;
 const PIECE: u64 = 32;
 /// Channel of the luminance.
 const LUMINANCE: usize = 1;
+/// Share of its scatter that an error is taken for at least.
+const LEAST_OF_SCATTER: f64 = 0.1;
 /// Share of the mean luminance below which errors count as absolute.
 const FLOOR: f64 = 0.01;
 
@@ -141,6 +147,11 @@ pub struct Findings {
 }
 
 impl Findings {
+    /// Whether any light was found.
+    pub fn found_light(&self) -> bool {
+        self.floor > 0.0
+    }
+
     /// Relative mean squared error of a list of strategies that the pilot samples, at the pixels
     /// looked at alone, without what is left in them from elsewhere; against indirect light that
     /// `level` knows better than the cells do, at a place of the picture in shares of its sides.
@@ -150,15 +161,22 @@ impl Findings {
             let Sums { scatter, predicted, seen, .. } = pixel.light.lists[list];
             let whole = level(pixel.place) + pixel.direct / SAMPLES_PER_PIXEL as f64;
             let over = samples * (whole * whole + self.floor);
-            if over > 0.0 { (scatter + predicted - seen) / over } else { 0.0 }
+            if over > 0.0 { [scatter / over, (predicted - seen) / over] } else { [0.0; 2] }
         };
-        self.pixels.iter().map(of_pixel).sum()
+        let [scatter, exchanged] =
+            self.pixels.iter().map(of_pixel).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        bounded(scatter, exchanged)
     }
 
     /// The same against the cells.
     pub fn at_pixels_by_cells(&self, list: usize) -> f64 {
         self.at_pixels(list, |place| self.levels[self.grid.at(place)])
     }
+}
+
+/// The error by a scatter and by what was exchanged for its expectation.
+fn bounded(scatter: f64, exchanged: f64) -> f64 {
+    (scatter + exchanged).max(LEAST_OF_SCATTER * scatter)
 }
 
 /// What is expected of a list of strategies.
@@ -331,7 +349,7 @@ impl<'a> Pilot<'a> {
             levels.iter().zip(&whole).map(|(level, whole)| indirect * level / (whole * whole + floor));
         let visits = visits.filter(|visits| visits.is_finite()).sum::<f64>() / cells;
         let of_list = |list: usize| {
-            let mut expected = Expected::default();
+            let (mut expected, mut exchanged) = (Expected::default(), 0.0);
             let mut add = |light: &Light, level: f64| {
                 let Sums { scatter, predicted, seen, missing } = light.lists[list];
                 let over = samples * (level * level + floor);
@@ -339,7 +357,7 @@ impl<'a> Pilot<'a> {
                     let is_sampled = self.lists[list].1;
                     let (scatter, seen) = if is_sampled { (scatter, seen) } else { (0.0, 0.0) };
                     expected.scatter += scatter / over;
-                    expected.relmse += (scatter + predicted - seen) / over;
+                    exchanged += (predicted - seen) / over;
                     expected.missing += missing / samples;
                 }
             };
@@ -347,6 +365,7 @@ impl<'a> Pilot<'a> {
             for pixel in &pixels {
                 add(&pixel.light, levels[pixel.cell] + pixel.direct / SAMPLES_PER_PIXEL as f64);
             }
+            expected.relmse = bounded(expected.scatter, exchanged);
             expected.missing /= mean;
             expected
         };
@@ -417,4 +436,16 @@ impl Found {
 fn luminance(sensor: &Sensor, radiance: Spectrum, wavelengths: &Wavelengths) -> f64 {
     let channel = &sensor.channels[LUMINANCE];
     f64::from((radiance / wavelengths.density * channel.response.at(wavelengths)).mean())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_never_less_than_a_share_of_its_scatter() {
+        assert_eq!([bounded(4.0, 3.0), bounded(4.0, -2.0)], [7.0, 2.0]);
+        assert_eq!([bounded(4.0, -3.9), bounded(4.0, -40.0)], [0.4; 2]);
+        assert_eq!(bounded(0.0, 0.0), 0.0);
+    }
 }

@@ -5,6 +5,9 @@ use crate::error::{Error, Result};
 use crate::integrator::Integrator;
 use crate::path::{Groups, Strategies};
 
+/// What stands between an algorithm and its groups.
+const GROUPS: &str = " --groups ";
+
 /// An algorithm and its groups of strategies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Selection {
@@ -35,12 +38,13 @@ impl Selection {
         self.groups.map_or_else(|| self.integrator.strategies(), Groups::strategies)
     }
 
-    /// The selection that is printed as a text.
+    /// The selection that is printed as a text, as on the command line: `bdpt --groups path,splats`.
     ///
     /// # Errors
     /// Where no algorithm has the name, or there is no such group.
     pub fn named(text: &str) -> Result<Self> {
-        let (name, groups) = text.split_once(' ').map_or((text, None), |(name, groups)| (name, Some(groups)));
+        let (name, groups) =
+            text.split_once(GROUPS).map_or((text, None), |(name, groups)| (name, Some(groups)));
         let integrator = Integrator::named(name).ok_or_else(|| {
             Error::unknown_name("integrator", name, Integrator::ALL.iter().map(|known| known.name()))
         })?;
@@ -51,7 +55,7 @@ impl Selection {
 impl std::fmt::Display for Selection {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.integrator.name())?;
-        self.groups.map_or(Ok(()), |groups| write!(f, " {groups}"))
+        self.groups.map_or(Ok(()), |groups| write!(f, "{GROUPS}{groups}"))
     }
 }
 
@@ -67,10 +71,11 @@ mod tests {
 
     #[test]
     fn selections_are_named_as_they_are_printed() {
-        for name in ["path", "light", "bdpt", "mlt", "bdpt path,splats", "bdpt path,joins"] {
+        for name in ["path", "light", "bdpt", "mlt", "bdpt --groups path,splats", "bdpt --groups path,joins"]
+        {
             let selection = Selection::named(name).expect("known");
             assert_eq!(selection.to_string(), name);
         }
-        assert!(Selection::named("bdtp").is_err() && Selection::named("bdpt path,x").is_err());
+        assert!(Selection::named("bdtp").is_err() && Selection::named("bdpt --groups path,x").is_err());
     }
 }

@@ -42,9 +42,10 @@ impl Counts {
 }
 
 /// Processor microseconds of a sample: a base, then for each vertex of a kind. Least squares of
-/// relative residuals over five lists of strategies on reference scenes (`validation/auto_bench.py`,
-/// 2026-11-23; off by 10 % on average, by 28 % at most: path tracing of the pool, whose vertices are
-/// smooth). Whatever asking a light and weighing a pair cost was not told apart from the walks.
+/// relative residuals, by the counts of a pilot, of processor seconds per sample without loading:
+/// medians of four renders on one thread, 64 pixels wide, 64 samples per pixel, of the five lists of
+/// strategies on nine reference scenes (2026-11-23; off by 10 % on average, by 28 % at most: path
+/// tracing of the pool, whose vertices are smooth). Whatever asking a light and weighing a pair cost was not told apart from the walks.
 /// Only the ratios decide between lists of strategies.
 mod us {
     /// A sample whatever it does.

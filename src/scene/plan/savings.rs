@@ -61,16 +61,16 @@ impl Saving {
 
 impl fmt::Display for Saving {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { scene, integrator, .. } = self;
-        match (self.share(), self.efficiency_ratio) {
-            (share, None) if share.abs() < TELLING_SHARE => {
-                write!(f, "saves less than 0.1 % of the instructions ({scene}, {integrator})")
-            }
-            (share, None) => {
-                write!(f, "saves {:.1} % of the instructions ({scene}, {integrator})", 100.0 * share)
-            }
-            (_, Some(ratio)) => write!(f, "{ratio:.2} times as efficient ({scene}, {integrator})"),
+        let Self { scene, integrator, efficiency_ratio, .. } = self;
+        match self.share() {
+            share if share.abs() < TELLING_SHARE => f.write_str("the same instructions within 0.1 %")?,
+            share if share < 0.0 => write!(f, "{:.1} % more instructions", -100.0 * share)?,
+            share => write!(f, "{:.1} % fewer instructions", 100.0 * share)?,
         }
+        if let Some(ratio) = efficiency_ratio {
+            write!(f, ", {ratio:.2} times as efficient")?;
+        }
+        write!(f, ": measured on {scene} by {integrator}")
     }
 }
 

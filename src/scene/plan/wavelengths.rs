@@ -100,10 +100,10 @@ fn lines_drawn(lines: &[(f64, f64)]) -> Option<String> {
 }
 
 /// How many wavelengths a path carries. Their number is one for all scenes: `validation/plan.md`
-/// has what fewer and more would do.
+/// has what fewer and more would do, least and most over its scenes.
 pub(super) fn per_path(lanes_differ: bool) -> String {
     let fate = if lanes_differ { "until a smooth refraction with dispersion" } else { "all to its end" };
     format!(
-        "{LANES} wavelengths a path, {fate}: 16 cost more than they bring, 4 do as well within a few per cent"
+        "{LANES} wavelengths a path, {fate}; on the scenes measured before the sampler's guide, 4 would be 6 to 16 % more efficient, 16 14 to 22 % less"
     )
 }
