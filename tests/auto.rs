@@ -9,7 +9,7 @@ use etalon::integrator::{Budget, Integrator, Silent, Tracer};
 use etalon::path::{Eye, Groups, Subpaths};
 use etalon::pilot::{By, Choice, Selection, choose};
 use etalon::sampler::BlockSampler;
-use etalon::scene::{Plan, Scene};
+use etalon::scene::{Leaving, Plan, Scene};
 use etalon::statistics::{BATCHES, BatchMean};
 use std::path::Path;
 
@@ -29,7 +29,7 @@ fn reference(name: &str) -> Scene {
 fn chosen(scene: &Scene, budget: &Budget) -> Choice {
     let mut view = scene.view().expect("a camera").clone();
     view.camera = view.camera.with_resolution([64, 48]);
-    choose(scene, &view, budget, None)
+    choose(scene, &view, budget, None, &Leaving::all())
 }
 
 /// What is summed over the samples of a batch under a plan: of each contribution weighted luminance,
@@ -104,37 +104,88 @@ fn second_moments_are_predicted_by_strategies_that_a_list_does_not_have() {
     }
 }
 
-/// Light that a list cannot find is seen to be missing: of a bulb that is a point within glass.
-#[test]
-fn what_a_list_cannot_make_is_known_as_missing() {
-    let scene = scene(&scenes::light_in_glass());
-    let choice = chosen(&scene, &budget(1));
-    let plan = Plan::of(&scene, &scene.view().expect("a camera").sensor, Groups::ALL.strategies());
-    for row in &choice.report.candidates {
-        let Integrator::Mlt = row.name.integrator else {
-            let strategies = row.name.strategies();
-            let own = Plan::of(&scene, &scene.view().expect("a camera").sensor, strategies);
-            let misses = own.unreachable.len() > plan.unreachable.len();
-            assert!(!misses || row.excluded.is_some(), "{}", row.name);
-            continue;
-        };
-    }
-    let picked = choice.selection.strategies();
-    let own = Plan::of(&scene, &scene.view().expect("a camera").sensor, picked);
-    assert_eq!(own.unreachable, plan.unreachable, "{}", choice.selection);
+/// A point of light within a glass ball: light that no path from the camera meets.
+fn point_in_glass() -> serde_json::Value {
+    let mut json = scenes::light_in_glass();
+    let lamp = json["objects"]
+        .as_array_mut()
+        .and_then(|objects| {
+            let lamp = objects.iter().position(|object| object["emission"].is_object())?;
+            Some(objects.remove(lamp))
+        })
+        .expect("a lamp");
+    json["lights"] =
+        serde_json::json!([{ "point": { "position": [0.1, 1.0, 0.4], "emission": lamp["emission"] } }]);
+    json
 }
 
-/// The figures are those of counted work and named random numbers, to the last bit.
+/// Light that a list cannot find is seen to be missing, and how much of all that is.
+#[test]
+fn what_a_list_cannot_make_is_known_as_missing() {
+    let scene = scene(&point_in_glass());
+    let sensor = &scene.view().expect("a camera").sensor;
+    let unreachable = |groups: Groups| Plan::of(&scene, sensor, groups.strategies()).unreachable;
+    let choice = chosen(&scene, &budget(1));
+    assert_eq!(choice.report.by, By::Pilot, "{}", choice.report);
+    let mut missers = 0;
+    for row in choice.report.candidates.iter().filter(|row| row.name.integrator != Integrator::Mlt) {
+        let own = Plan::of(&scene, sensor, row.name.strategies()).unreachable;
+        if own.len() > unreachable(Groups::ALL).len() {
+            let reason = row.excluded.as_deref().unwrap_or_default();
+            assert!(reason.contains(" % of the light"), "{}: {reason}", row.name);
+            missers += 1;
+        }
+    }
+    assert!(missers > 0, "{:?}", choice.report.candidates);
+    assert!(choice.report.to_string().contains("path misses light"), "{}", choice.report);
+    let own = Plan::of(&scene, sensor, choice.selection.strategies()).unreachable;
+    assert_eq!(own, unreachable(Groups::ALL), "{}", choice.selection);
+}
+
+/// A scene as a user has it first: there is light in it, and the pilot finds it whatever its seed.
+#[test]
+fn the_scene_in_the_readme_has_a_pilot() {
+    let readme = include_str!("../README.md");
+    let start = readme.find("```json\n").expect("the README shows a scene") + "```json\n".len();
+    let length = readme[start..].find("```").expect("the scene ends");
+    let scene = Scene::from_text(&readme[start..start + length], Path::new(".")).expect("a scene");
+    let view = scene.view().expect("a camera");
+    for seed in 0..8 {
+        let ordinary = Budget { samples_per_pixel: 64, ..budget(seed) };
+        let choice = choose(&scene, view, &ordinary, None, &Leaving::all());
+        println!("seed {seed}: {}", choice.report);
+        assert_eq!(choice.report.by, By::Pilot, "seed {seed}: {}", choice.report);
+        // Caustics on what the glass ball stands on are too rare for paths from the camera.
+        assert_ne!(choice.selection, Selection::whole(Integrator::Path), "seed {seed}: {}", choice.report);
+    }
+}
+
+/// Past a door that is hardly open, chains win by far, and by counted work alone.
+#[test]
+fn chains_are_picked_where_they_win_by_far() {
+    let choice = chosen(&reference("door-ajar"), &budget(1));
+    println!("{}", choice.report);
+    assert_eq!(choice.report.by, By::Pilot);
+    assert_eq!(choice.selection, Selection::whole(Integrator::Mlt), "{}", choice.report);
+}
+
+/// The figures are those of counted work and named random numbers, to the last bit, those of chains
+/// as well.
 #[test]
 fn figures_do_not_depend_on_the_number_of_threads() {
-    let scene = scene(&scenes::glossy());
-    let figures = |threads: usize| {
+    let figures = |scene: &Scene, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let report = pool.install(|| chosen(&scene, &budget(3))).report;
+        let report =
+            pool.install(|| chosen(scene, &Budget { samples_per_pixel: 1 << 11, ..budget(3) })).report;
         assert_eq!(report.by, By::Pilot);
-        serde_json::to_string(&(report.candidates, report.counts, report.pick)).expect("JSON")
+        let words = serde_json::to_string(&(report.candidates, report.counts, report.pick)).expect("JSON");
+        (words, report.mutations)
     };
-    assert_eq!(figures(1), figures(3));
+    let (glossy, door) = (scene(&scenes::glossy()), reference("door-ajar"));
+    assert_eq!(figures(&glossy, 1), figures(&glossy, 3));
+    let by_chains = figures(&door, 1);
+    assert!(by_chains.1 > 0, "chains were not tried: {}", by_chains.0);
+    assert_eq!(by_chains, figures(&door, 3));
 }
 
 /// A room of matte walls under a lamp that paths find is no place for chains.
@@ -210,7 +261,7 @@ fn rendered(folder: &Path, name: &str, scene: &str, options: &str) -> (serde_jso
     assert_eq!(ran.code, 0, "{}", ran.err);
     (
         json_file(&report),
-        ran.out,
+        ran.out + &ran.err,
         etalon::image::read_facts(&exr).map(|_| std::fs::read(&png)).expect("an EXR").expect("a PNG"),
     )
 }
@@ -251,7 +302,7 @@ fn a_resumed_run_keeps_its_pick() {
     let (_, _, picture) = rendered(&folder, "named", scene, &named);
     let (facts, said, again) =
         rendered(&folder, "resumed", scene, &format!("--spp 4 --resolution 8x8 {keep} --resume"));
-    assert!(said.contains("auto: bdpt path,joins, as picked"), "{said}");
+    assert!(said.contains("going on from 4 samples per pixel of bdpt --groups path,joins"), "{said}");
     assert_eq!(facts["groups"], "path,joins");
     assert!(picture == again);
     let mut other = vec!["render", scene, "-o", "x.exr", "--spp", "4", "--resolution", "8x8", "--resume"];
@@ -259,7 +310,7 @@ fn a_resumed_run_keeps_its_pick() {
     other.extend(["--checkpoint", file, "--integrator", "bdpt"]);
     let refused = etalon(other);
     assert_eq!(refused.code, 2);
-    assert!(refused.err.contains("bdpt path,joins"), "{}", refused.err);
+    assert!(refused.err.contains("bdpt --groups path,joins"), "{}", refused.err);
 }
 
 #[test]
@@ -267,11 +318,34 @@ fn groups_belong_to_bdpt() {
     for (words, fault) in [
         ("--integrator path --groups path", "--groups path are groups of strategies of bdpt"),
         ("--integrator bdpt --groups path,splat", "did you mean \"splats\"?"),
-        ("--groups path", "--integrator"),
+        ("--groups path,joins", "add --integrator bdpt"),
     ] {
         let fixed = ["render", "tests/files/sound.json", "-o", "x.exr"];
         let ran = etalon(fixed.into_iter().chain(words.split(' ')));
         assert_eq!(ran.code, 2, "{words}");
         assert!(ran.err.contains(fault), "{words}: {}", ran.err);
     }
+    let alone = etalon(["render", "tests/files/sound.json", "-o", "x.exr", "--groups", "path"]);
+    assert_eq!(alone.err.trim().lines().count(), 1, "{}", alone.err);
+}
+
+/// Light that groups miss and all together find is not blamed on the scene.
+#[test]
+fn a_warning_names_the_group_that_would_find_the_light() {
+    let folder = folder("groups_to_add");
+    let file = folder.join("point_in_glass.json");
+    std::fs::write(&file, point_in_glass().to_string()).expect("a scene");
+    let warned = |scene: &str, groups: &str| {
+        rendered(
+            &folder,
+            "warned",
+            scene,
+            &format!("--spp 1 --resolution 8x8 --integrator bdpt --groups {groups}"),
+        )
+        .1
+    };
+    let said = warned("tests/files/sound.json", "joins");
+    assert!(said.contains("; add path to --groups"), "{said}");
+    let said = warned(file.to_str().expect("UTF-8"), "path,joins");
+    assert!(said.contains("; add splats to --groups"), "{said}");
 }
