@@ -3,7 +3,7 @@
 use crate::common::{SIGMAS, luminance, metered};
 use crate::record::Record;
 use etalon::camera::Sensor;
-use etalon::integrator::{Draw, Integrator, Tracer, eye_of, instrument_plan, read_meters_under};
+use etalon::integrator::{Draw, Integrator, Tracer, eye_of, instrument_plan_under, read_meters_under};
 use etalon::path::{Strategies, Subpaths};
 use etalon::sampler::{BlockSampler, Stream};
 use etalon::scene::{Leaving, Plan, Scene};
@@ -88,7 +88,7 @@ pub fn trapped_light_ends_and_is_reported(record: &mut Record) {
         let error = SIGMAS * (share * (1.0 - share) / samples as f64).sqrt();
         record.absolute(format!("{name}: share of the light that is trapped"), found.trapped, share, error);
         record.absolute(format!("{name}: share that leaves"), found.arrives, 1.0 - share, error);
-        let plan = instrument_plan(&scene, Integrator::Light);
+        let plan = instrument_plan_under(&scene, Integrator::Light, &Leaving::none());
         let reading = read_meters_under(&scene, &plan, samples, record.seed()).remove(0);
         let text = reading.truncation.trapped_message().unwrap_or_default();
         record.says(format!("{name}: message"), &text, "trapped light: ");

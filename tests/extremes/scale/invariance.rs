@@ -144,7 +144,7 @@ pub fn any_scale_and_unit_shows_the_same_picture(record: &mut Record) {
     };
     for json in [scenes::many_lamps(), scenes::camera_in_absorbing_glass()] {
         let read = |json: &Value, run: u64| {
-            mean_luminance(json, Integrator::Bdpt, record.samples(5), record.seed() + 1000 * run)
+            mean_luminance(json, Integrator::Bdpt, record.samples(8), record.seed() + 1000 * run)
         };
         let truth = read(&json, 0);
         let others = [
