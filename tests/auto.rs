@@ -158,6 +158,23 @@ fn the_scene_in_the_readme_has_a_pilot() {
     }
 }
 
+/// Caustics on what the glass ball stands on are too rare for paths from the camera, whatever the
+/// pilot's seed.
+#[test]
+#[ignore = "known fault: at seed 2 the pilot meets a caustic by chance and picks path"]
+fn the_scene_in_the_readme_is_not_left_to_path() {
+    let readme = include_str!("../README.md");
+    let start = readme.find("```json\n").expect("the README shows a scene") + "```json\n".len();
+    let length = readme[start..].find("```").expect("the scene ends");
+    let scene = Scene::from_text(&readme[start..start + length], Path::new(".")).expect("a scene");
+    let view = scene.view().expect("a camera");
+    for seed in 0..8 {
+        let ordinary = Budget { samples_per_pixel: 64, ..budget(seed) };
+        let choice = choose(&scene, view, &ordinary, None, &Leaving::all());
+        assert_ne!(choice.selection, Selection::whole(Integrator::Path), "seed {seed}: {}", choice.report);
+    }
+}
+
 /// Past a door that is hardly open, chains win by far, and by counted work alone.
 #[test]
 fn chains_are_picked_where_they_win_by_far() {
