@@ -13,9 +13,10 @@
 //! Roulette and the choice among joints belong to the strategy that found a path and cancel in
 //! both terms.
 //!
-//! What the exchange adds has the mean zero, and where a list's own samples have met much of the
-//! rare light it can take more off than there is. So it may add to the scatter and take nothing
-//! off: a list that has met rare light by chance is not told better for it than its samples are.
+//! What the exchange adds has the mean zero, but a pixel in the middle of a caustic that happens to be
+//! looked at can take more off than there is. So the sum is taken for no less than its own standard
+//! error over pixels, as far as *predicted*, of which it is a part, allows, and for no less than a
+//! tenth of the scatter.
 //!
 //! The measure is relative: variance of luminance over squared luminance, plus (1 % of the mean)^2,
 //! of cells of the picture that hold some hundred samples each, all lists by the same cells. Lamps
@@ -45,6 +46,8 @@ const MOST_CELLS: f64 = 1024.0;
 const PIECE: u64 = 32;
 /// Channel of the luminance.
 const LUMINANCE: usize = 1;
+/// Share of its scatter that an error is taken for at least.
+const LEAST_OF_SCATTER: f64 = 0.1;
 /// Share of the mean luminance below which errors count as absolute.
 const FLOOR: f64 = 0.01;
 
@@ -155,15 +158,12 @@ impl Findings {
     /// `level` knows better than the cells do, at a place of the picture in shares of its sides.
     pub fn at_pixels(&self, list: usize, level: impl Fn([f64; 2]) -> f64) -> f64 {
         let samples = (self.pixels.len() as u64 * SAMPLES_PER_PIXEL) as f64;
-        let of_pixel = |pixel: &Pixel| {
-            let Sums { scatter, predicted, seen, .. } = pixel.light.lists[list];
+        let mut tally = Tally::default();
+        for pixel in &self.pixels {
             let whole = level(pixel.place) + pixel.direct / SAMPLES_PER_PIXEL as f64;
-            let over = samples * (whole * whole + self.floor);
-            if over > 0.0 { [scatter / over, (predicted - seen) / over] } else { [0.0; 2] }
-        };
-        let [scatter, exchanged] =
-            self.pixels.iter().map(of_pixel).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
-        bounded(scatter, exchanged)
+            tally.add_pixel(&pixel.light.lists[list], samples * (whole * whole + self.floor));
+        }
+        tally.error()
     }
 
     /// The same against the cells.
@@ -172,9 +172,45 @@ impl Findings {
     }
 }
 
-/// The error by a scatter and by what was exchanged for its expectation.
-fn bounded(scatter: f64, exchanged: f64) -> f64 {
-    scatter + exchanged.max(0.0)
+/// Sums over the picture, held against squared luminance.
+#[derive(Clone, Debug, Default)]
+struct Tally {
+    scatter: f64,
+    predicted: f64,
+    exchanged: f64,
+    /// Scatter and what is exchanged of each pixel.
+    pixels: Vec<f64>,
+}
+
+impl Tally {
+    fn add(&mut self, sums: &Sums, over: f64) {
+        let Sums { scatter, predicted, seen, .. } = sums;
+        if over > 0.0 {
+            self.scatter += scatter / over;
+            self.predicted += predicted / over;
+            self.exchanged += (predicted - seen) / over;
+        }
+    }
+
+    fn add_pixel(&mut self, sums: &Sums, over: f64) {
+        self.add(sums, over);
+        let Sums { scatter, predicted, seen, .. } = sums;
+        self.pixels.push(if over > 0.0 { (scatter + predicted - seen) / over } else { 0.0 });
+    }
+
+    /// Standard error of the sum, by the pixels' differences.
+    fn standard_error(&self) -> f64 {
+        let count = self.pixels.len() as f64;
+        let mean = self.pixels.iter().sum::<f64>() / count;
+        let squares = self.pixels.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+        if count > 1.0 { (squares * count / (count - 1.0)).sqrt() } else { 0.0 }
+    }
+
+    /// The relative mean squared error.
+    fn error(&self) -> f64 {
+        let least = self.standard_error().min(self.predicted).max(LEAST_OF_SCATTER * self.scatter);
+        (self.scatter + self.exchanged).max(least)
+    }
 }
 
 /// What is expected of a list of strategies.
@@ -347,25 +383,23 @@ impl<'a> Pilot<'a> {
             levels.iter().zip(&whole).map(|(level, whole)| indirect * level / (whole * whole + floor));
         let visits = visits.filter(|visits| visits.is_finite()).sum::<f64>() / cells;
         let of_list = |list: usize| {
-            let (mut expected, mut exchanged) = (Expected::default(), 0.0);
-            let mut add = |light: &Light, level: f64| {
-                let Sums { scatter, predicted, seen, missing } = light.lists[list];
-                let over = samples * (level * level + floor);
-                if over > 0.0 {
-                    let is_sampled = self.lists[list].1;
-                    let (scatter, seen) = if is_sampled { (scatter, seen) } else { (0.0, 0.0) };
-                    expected.scatter += scatter / over;
-                    exchanged += (predicted - seen) / over;
-                    expected.missing += missing / samples;
-                }
+            let is_sampled = self.lists[list].1;
+            let sums = |light: &Light| {
+                let sums = light.lists[list];
+                if is_sampled { sums } else { Sums { scatter: 0.0, seen: 0.0, ..sums } }
             };
-            splats.iter().zip(&whole).for_each(|(light, level)| add(light, *level));
-            for pixel in &pixels {
-                add(&pixel.light, levels[pixel.cell] + pixel.direct / SAMPLES_PER_PIXEL as f64);
+            let (mut tally, mut missing) = (Tally::default(), 0.0);
+            let over = |level: f64| samples * (level * level + floor);
+            for (light, level) in splats.iter().zip(&whole) {
+                tally.add(&sums(light), over(*level));
+                missing += light.lists[list].missing / samples;
             }
-            expected.relmse = bounded(expected.scatter, exchanged);
-            expected.missing /= mean;
-            expected
+            for pixel in &pixels {
+                let level = levels[pixel.cell] + pixel.direct / SAMPLES_PER_PIXEL as f64;
+                tally.add_pixel(&sums(&pixel.light), over(level));
+                missing += pixel.light.lists[list].missing / samples;
+            }
+            Expected { relmse: tally.error(), scatter: tally.scatter, missing: missing / mean }
         };
         let lists = (0..self.lists.len()).map(of_list).collect();
         Findings { grid: self.grid, levels, floor, visits, lists, counts, pixels }
@@ -440,10 +474,35 @@ fn luminance(sensor: &Sensor, radiance: Spectrum, wavelengths: &Wavelengths) -> 
 mod tests {
     use super::*;
 
+    fn tally(pixels: &[[f64; 3]]) -> Tally {
+        let mut tally = Tally::default();
+        for [scatter, predicted, seen] in pixels.iter().copied() {
+            tally.add_pixel(&Sums { scatter, predicted, seen, missing: 0.0 }, 2.0);
+        }
+        tally
+    }
+
     #[test]
-    fn an_error_is_never_less_than_its_scatter() {
-        assert_eq!([bounded(4.0, 3.0), bounded(4.0, -2.0)], [7.0, 4.0]);
-        assert_eq!([bounded(4.0, -3.9), bounded(4.0, -40.0)], [4.0; 2]);
-        assert_eq!(bounded(0.0, 0.0), 0.0);
+    fn an_error_is_that_of_the_scatter_with_what_is_exchanged() {
+        let found = tally(&[[2.0, 4.0, 3.0]; 4]).error();
+        assert!((found - 6.0).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn an_error_is_never_less_than_a_share_of_its_scatter() {
+        let found = tally(&[[4.0, 1.0, 40.0]; 2]).error();
+        assert!((found - 0.4).abs() < 1e-12, "{found}");
+        assert_eq!(Tally::default().error(), 0.0);
+    }
+
+    /// One pixel takes off much more than all have: the sum is no better known than that, and no
+    /// more than what is predicted.
+    #[test]
+    fn an_error_is_never_less_than_its_standard_error() {
+        let mut pixels = vec![[0.1, 2.0, 0.1]; 100];
+        pixels[7] = [0.2, 2.0, 250.0];
+        let tally = tally(&pixels);
+        assert!(tally.scatter + tally.exchanged < 0.0 && tally.standard_error() > 100.0);
+        assert!((tally.error() - 100.0).abs() < 1e-9, "{}", tally.error());
     }
 }
