@@ -142,13 +142,17 @@ fn what_a_list_cannot_make_is_known_as_missing() {
     assert_eq!(own, unreachable(Groups::ALL), "{}", choice.selection);
 }
 
-/// A scene as a user has it first: there is light in it, and the pilot finds it whatever its seed.
-#[test]
-fn the_scene_in_the_readme_has_a_pilot() {
+fn scene_of_the_readme() -> Scene {
     let readme = include_str!("../README.md");
     let start = readme.find("```json\n").expect("the README shows a scene") + "```json\n".len();
     let length = readme[start..].find("```").expect("the scene ends");
-    let scene = Scene::from_text(&readme[start..start + length], Path::new(".")).expect("a scene");
+    Scene::from_text(&readme[start..start + length], Path::new(".")).expect("a scene")
+}
+
+/// A scene as a user has it first: there is light in it, and the pilot finds it whatever its seed.
+#[test]
+fn the_scene_in_the_readme_has_a_pilot() {
+    let scene = scene_of_the_readme();
     let view = scene.view().expect("a camera");
     for seed in 0..8 {
         let ordinary = Budget { samples_per_pixel: 64, ..budget(seed) };
@@ -162,10 +166,7 @@ fn the_scene_in_the_readme_has_a_pilot() {
 /// pilot's seed.
 #[test]
 fn the_scene_in_the_readme_is_not_left_to_path() {
-    let readme = include_str!("../README.md");
-    let start = readme.find("```json\n").expect("the README shows a scene") + "```json\n".len();
-    let length = readme[start..].find("```").expect("the scene ends");
-    let scene = Scene::from_text(&readme[start..start + length], Path::new(".")).expect("a scene");
+    let scene = scene_of_the_readme();
     let view = scene.view().expect("a camera");
     for seed in 0..8 {
         let ordinary = Budget { samples_per_pixel: 64, ..budget(seed) };
