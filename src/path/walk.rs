@@ -22,14 +22,14 @@ use glam::Vec3A;
 
 /// Bounces before a subpath from the eye may be ended at random.
 const SURE_BOUNCES: u32 = 3;
-/// Bounces after which light that has lost nothing counts as trapped, as by total reflection in
+/// Bounces in a row without a loss after which light counts as trapped, as by total reflection in
 /// clear glass.
 pub const TRAPPED_BOUNCES: u32 = 1000;
-/// What light may have lost by then and still count as having lost nothing: what rounding makes
-/// of that many factors of one.
+/// What light may lose in that many bounces and still count as having lost nothing: what rounding
+/// makes of as many factors of one.
 const NOTHING_LOST: f32 = 1e-4;
-/// Trapped light reaches bounce n with probability (1000 / n)^3: such paths end, after 500 more
-/// bounces on average. The weight of what lives on grows by a power of n, so the variance is
+/// Trapped light reaches bounce n since its last loss with probability (1000 / n)^3: such paths end,
+/// after 500 more bounces on average. The weight of what lives on grows by a power of n, so the variance is
 /// finite wherever light that is trapped for long is lost exponentially, however slowly; with a
 /// constant probability it would be infinite where a bounce loses less than half of what that
 /// gives away.
@@ -78,6 +78,10 @@ pub struct Heading {
     /// What the throughput would be if no light had been lost: where the walk began, times the
     /// n^2 factors since then.
     lossless: f32,
+    /// The bounce at which it last lost something.
+    whole_since: u32,
+    /// What was left of it then, had roulette not been played.
+    whole: f32,
 }
 
 impl Heading {
@@ -95,6 +99,8 @@ impl Heading {
             bounce: 0,
             fate: Fate::default(),
             lossless: throughput,
+            whole_since: 0,
+            whole: 1.0,
         }
     }
 
@@ -113,6 +119,25 @@ impl Heading {
     /// Whether a walk that carries so much has lost nothing but what rounding takes.
     fn has_lost_nothing(&self, carried: f32) -> bool {
         carried * self.survival >= 1.0 - NOTHING_LOST
+    }
+
+    /// Bounces since the last loss.
+    const fn bounces_without_loss(&self) -> u32 {
+        self.bounce - self.whole_since
+    }
+
+    /// Notes whether the walk has lost something, or nothing in very many bounces. Light may be
+    /// trapped long after it began, with as much as walls have left of it.
+    fn note_trapped(&mut self, carried: f32) {
+        if self.fate.trapped.is_some() {
+            return;
+        }
+        let left = carried * self.survival;
+        if left < self.whole * (1.0 - NOTHING_LOST) {
+            (self.whole, self.whole_since) = (left, self.bounce);
+        } else if self.bounces_without_loss() >= TRAPPED_BOUNCES {
+            self.fate.trapped = Some(self.carried(self.throughput.mean()));
+        }
     }
 
     /// Density per area with which the ray reaches a vertex.
@@ -258,7 +283,7 @@ impl<'a> Walker<'a, '_> {
     fn survives(&self, heading: &mut Heading) -> bool {
         if self.plan.most_bounces.is_some_and(|most| heading.bounce > most) {
             // The first trapped bounce may be this one.
-            note_trapped(heading);
+            heading.note_trapped(heading.carried(heading.throughput.max()));
             heading.fate.cut = Some(heading.carried(heading.throughput.mean()));
             return false;
         }
@@ -270,10 +295,10 @@ impl<'a> Walker<'a, '_> {
         if heading.bounce <= sure {
             return true;
         }
-        note_trapped(heading);
         let carried = heading.carried(heading.throughput.max());
+        heading.note_trapped(carried);
         let survival = if heading.fate.trapped.is_some() {
-            trapped_survival(heading.bounce).min(carried)
+            trapped_survival(heading.bounces_without_loss()).min(carried)
         } else {
             self.plan.roulette.survival(carried)
         };
@@ -297,19 +322,9 @@ impl<'a> Walker<'a, '_> {
     }
 }
 
-/// Probability with which trapped light reaches a bounce from the one before.
+/// Probability with which trapped light reaches a bounce since its last loss from the one before.
 fn trapped_survival(bounce: u32) -> f32 {
     (1.0 - 1.0 / bounce as f32).powi(TRAPPED_POWER)
-}
-
-/// Notes that a walk has lost nothing in very many bounces.
-fn note_trapped(heading: &mut Heading) {
-    if heading.bounce != TRAPPED_BOUNCES {
-        return;
-    }
-    if heading.has_lost_nothing(heading.carried(heading.throughput.max())) {
-        heading.fate.trapped = Some(heading.carried(heading.throughput.mean()));
-    }
 }
 
 /// The vertex at an end.
