@@ -3,7 +3,7 @@
 
 use etalon::camera::batch_numbers;
 use etalon::error::{Error, Result};
-use etalon::integrator::{Budget, Integrator};
+use etalon::integrator::{Budget, Integrator, Memory};
 use etalon::scene::View;
 
 /// Numbers of a channel of a pixel that independent samples are gathered in: sums, their squares
@@ -78,6 +78,17 @@ pub fn check(view: &View, numbers: Numbers) -> Result<()> {
     .hint("ask for fewer pixels or fewer spectral layers"))
 }
 
+/// What a run has held at most, after its seconds; empty where the system does not tell.
+pub fn in_words(memory: Memory) -> String {
+    /// Below it MiB are easier to read than GiB.
+    const GIB: u64 = 1 << 30;
+    match memory.peak_resident_bytes {
+        None => String::new(),
+        Some(bytes) if bytes < GIB => format!(" and {} MiB", bytes.div_ceil(1 << 20)),
+        Some(bytes) => format!(" and {:.1} GiB", bytes as f64 / GIB as f64),
+    }
+}
+
 /// Memory that a process can have without others being moved out, where Linux says so.
 fn free_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
@@ -90,6 +101,14 @@ fn free_bytes() -> Option<u64> {
 mod tests {
     use super::*;
     use std::time::Duration;
+
+    #[test]
+    fn memory_is_told_in_a_unit_that_suits_it() {
+        let words = |bytes: u64| in_words(Memory { peak_resident_bytes: Some(bytes) });
+        assert_eq!(words((17 << 20) - 5), " and 17 MiB");
+        assert_eq!(words(5 << 29), " and 2.5 GiB");
+        assert_eq!(in_words(Memory::default()), "");
+    }
 
     /// By hand, of a large picture of three channels: 3 numbers of a value, 4 of a pixel, and 33
     /// batches at 32768 pixels, three times.
