@@ -20,8 +20,8 @@ use std::process::ExitCode;
 pub struct Arguments {
     /// Case: cornell, yale-grey, yale-brown, stanford, stanford-left, schoedl (exposure alone), cornell-ccd
     /// (seven bands), yale-cross, stanford-cross (predicted from another photograph), peers (against
-    /// Mitsuba 3), self-test (a synthetic photograph with a known answer); or all but the last two;
-    /// growth (cost against pixels, triangles, lamps, depth, channels and threads)
+    /// Mitsuba 3), self-test (a synthetic photograph with a known answer), growth (cost against pixels,
+    /// triangles, lamps, depth, channels and threads); or all but the last three
     case: String,
     /// The photograph; without it the region table measured on it is used. With all: CASE=FILE,
     /// as often as there are photographs
