@@ -89,7 +89,8 @@ def run_of(report, setting, spp, seed):
             spp=spp, seed=seed, load_cpu_s=float(times["load"]["cpu_s"]),
             render_cpu_s=float(sum(part["cpu_s"] for part in parts)), render_wall_s=float(sum(part["wall_s"] for part in parts)),
             relmse=float(report["error"]["relmse"]), to_error_cpu_s=float(reached[0]["cpu_s"]),
-            peak_bytes=report["memory"]["peak_resident_bytes"],
+            # Earlier programs do not tell.
+            peak_bytes=(report.get("memory") or {}).get("peak_resident_bytes"),
         )
 
 
