@@ -39,12 +39,14 @@ def plot(series, folder, caption):
 def draw(series, caption):
     """The figure: axes in columns, quantities in rows, the caption below."""
     axes = list(dict.fromkeys(one.axis for one in series))
+    # What no program told, as the memory of earlier ones, has no row.
+    rows = {name: label for name, label in QUANTITIES.items() if any(getattr(point, name) is not None for one in series for point in one.points)}
     lines = textwrap.wrap(caption, 190)
-    height = ROW_IN * len(QUANTITIES) + 0.9 + 0.17 * len(lines)
-    figure, grid = pyplot.subplots(len(QUANTITIES), len(axes), figsize=(COLUMN_IN * len(axes) + 0.3, height), sharex="col", squeeze=False)
+    height = ROW_IN * len(rows) + 0.9 + 0.17 * len(lines)
+    figure, grid = pyplot.subplots(len(rows), len(axes), figsize=(COLUMN_IN * len(axes) + 0.3, height), sharex="col", squeeze=False)
     for column, axis in enumerate(axes):
         ours = [one for one in series if one.axis == axis and one.points]
-        for row, (name, label) in enumerate(QUANTITIES.items()):
+        for row, (name, label) in enumerate(rows.items()):
             panel(grid[row][column], ours, name)
             if column == 0:
                 grid[row][column].set_ylabel(label, fontsize=9)

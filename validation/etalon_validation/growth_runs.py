@@ -16,7 +16,7 @@ from pathlib import Path
 from .converge_runs import first_error, run_process
 from .errors import InputError, meaning
 from .growth_data import TARGET_ERROR, Axis, Run, Setting
-from .growth_scenes import write_hall
+from .growth_scenes import hall_file, triangles_of, write_hall
 
 # Passes over all points: from fewer, means have no interval to speak of.
 REPEATS = 3
@@ -54,14 +54,19 @@ class Study:
     axes: tuple = AXES
 
 
+def contents(axis_name, value):
+    """Lamps and triangles of the hall at a point."""
+    return {"lights": (value, 0), "triangles": (1, value)}.get(axis_name, (1, 0))
+
+
 def setting_of(study, axis, integrator, value):
-    """The scene, size and options of a point; what the scene needs is written into the folder."""
-    scene, counted = write_hall(study.folder, *{"lights": (value, 0), "triangles": (1, value)}.get(axis.name, (1, 0)))
+    """The scene, size and options of a point."""
+    scene = hall_file(study.folder, *contents(axis.name, value))
     size = (value, value * 9 // 16) if axis.name == "resolution" else SIZE
     options = {"depth": ("--max-bounces", value), "channels": ("--spectral-layers", value)}.get(axis.name, ())
     return Setting(
         axis=axis.name, integrator=integrator, value=value,
-        counted={"triangles": counted, "resolution": size[0] * size[1]}.get(axis.name, value),
+        counted={"triangles": triangles_of(value), "resolution": size[0] * size[1]}.get(axis.name, value),
         scene=str(scene), size=size, threads=value if axis.name == "threads" else study.threads, options=options,
     )
 
@@ -105,17 +110,18 @@ def samples_in(seconds, setting, sample_s):
     return min(max(1 << max(int(fitting).bit_length() - 1, 0), LEAST_SPP), MOST_SPP)
 
 
-def too_much(study, setting, before, free_bytes):
-    """Why a point is left out, judged by the point `before` it on its axis, or None."""
-    if setting.axis == "threads" and setting.threads > study.threads:
-        return f"{study.threads} threads were asked for"
-    if study.full or before is None:
+def too_much(study, setting, taken, free_bytes):
+    """Why a point is left out, judged by those `taken` before it on its axis, or None.
+
+    Loading takes what it took at the first point, and beyond that what grows in proportion.
+    """
+    if study.full or not taken:
         return None
-    run, last = before
+    (_, (first, *_)), (last, (run, *_)) = taken[0], taken[-1]
     growth = setting.counted / last.counted if setting.axis in ("resolution", "triangles", "lights") else 1.0
     least_s = LEAST_SPP * setting.pixels * run.render_cpu_s / (run.spp * last.pixels)
-    set_up = growth if setting.axis != "resolution" else 1.0
-    needed_s = study.repeats * (run.load_cpu_s * set_up + least_s)
+    load_s = first.load_cpu_s + max(run.load_cpu_s - first.load_cpu_s, 0.0) * growth
+    needed_s = study.repeats * (load_s + least_s)
     most_s = MOST_SHARE * study.budget_s
     if needed_s > most_s:
         return f"about {needed_s:.0f} CPU s, more than {most_s:.0f} of the budget; --full takes it"
@@ -150,16 +156,24 @@ def measure(study, tell=print):
 
 def first_pass(study, axis, integrator):
     """A run at each value, cheapest first; what one cost decides the samples of the next."""
-    series, out, before = [], {}, None
+    series, out = [], {}
     for value in axis.values:
         setting = setting_of(study, axis, integrator, value)
-        reason = too_much(study, setting, before, free_memory())
+        if setting.threads > study.threads:
+            break
+        reason = too_much(study, setting, series, free_memory())
         if reason:
             out[setting.counted] = reason
             continue
-        sample_s = before[0].render_cpu_s / (before[0].spp * before[1].pixels) if before else GUESSED_SAMPLE_S
-        spp = samples_in(part_of(study), setting, sample_s)
-        run = render(study.program, setting, spp, 1)
-        series.append((setting, [run]))
-        before = (run, setting)
+        write_hall(study.folder, *contents(axis.name, value))
+        spp = samples_in(part_of(study), setting, sample_seconds(series))
+        series.append((setting, [render(study.program, setting, spp, 1)]))
     return series, out
+
+
+def sample_seconds(taken):
+    """CPU seconds of a sample at the last point that was taken."""
+    if not taken:
+        return GUESSED_SAMPLE_S
+    setting, (run, *_) = taken[-1]
+    return run.render_cpu_s / (run.spp * setting.pixels)

@@ -85,7 +85,7 @@ def hall(lamp_count=1, mesh=None):
 
 def torus(triangles):
     """Vertices (n, 3) in metres and faces (m, 3) of about so many triangles, counter-clockwise from outside."""
-    tube = max(round(math.sqrt(triangles / 4)), 3)
+    tube = segments(triangles)
     ring = 2 * tube
     u, v = np.meshgrid(2 * np.pi * np.arange(ring) / ring, 2 * np.pi * np.arange(tube) / tube, indexing="ij")
     radius = TUBE_M + BUMP_M * np.sin(BUMPS[0] * u) * np.sin(BUMPS[1] * v)
@@ -113,14 +113,28 @@ def write_ply(path, points, faces):
         packed.tofile(file)
 
 
+def segments(triangles):
+    """Vertices around the tube of a torus of about so many triangles; there are twice as many around the ring."""
+    return max(round(math.sqrt(triangles / 4)), 3)
+
+
+def triangles_of(asked):
+    """How many triangles a torus of about so many has; a hall without one has none."""
+    return 4 * segments(asked) ** 2 if asked else 0
+
+
+def hall_file(folder, lamp_count=1, triangles=0):
+    """Where a scene is written to."""
+    return Path(folder) / f"hall-{lamp_count}-lamps-{triangles}-triangles.json"
+
+
 def write_hall(folder, lamp_count=1, triangles=0):
-    """Writes a scene, unless it is there; its path, and how many triangles the mesh has."""
+    """Writes a scene and its mesh, unless they are there; the scene's path."""
     folder = Path(folder)
-    file = folder / f"hall-{lamp_count}-lamps-{triangles}-triangles.json"
-    tube = max(round(math.sqrt(triangles / 4)), 3)
+    file = hall_file(folder, lamp_count, triangles)
     mesh = f"torus-{triangles}.ply" if triangles else None
     if mesh and not (folder / mesh).is_file():
         write_ply(folder / mesh, *torus(triangles))
     if not file.is_file():
         file.write_text(json.dumps(hall(lamp_count, mesh)), encoding="utf-8")
-    return file, 4 * tube**2 if triangles else 0
+    return file

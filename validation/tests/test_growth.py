@@ -19,7 +19,7 @@ from etalon_validation.growth_data import Axis, Run, Setting
 from etalon_validation.growth_fit import exponent, exponents, geometric, point_of
 from etalon_validation.growth_plot import draw
 from etalon_validation.growth_runs import Study, measure, samples_in, too_much
-from etalon_validation.growth_scenes import FLUX_LM, HALL_M, LAMP_SHARE, PLACE_M, hall, lamps, torus, write_hall
+from etalon_validation.growth_scenes import FLUX_LM, HALL_M, LAMP_SHARE, PLACE_M, hall, lamps, torus, triangles_of, write_hall
 
 PROGRAM = Path("target/release/etalon")
 TOKEN = Setting("triangles", "path", 100, 100, "hall.json", (160, 90), 2)
@@ -52,10 +52,10 @@ class Scenes(unittest.TestCase):
 
     def test_a_ply_holds_what_its_header_announces(self):
         with tempfile.TemporaryDirectory() as folder:
-            file, counted = write_hall(folder, 1, 400)
+            file = write_hall(folder, 1, 400)
             data = (Path(folder) / "torus-400.ply").read_bytes()
             mesh = json.loads(file.read_text())["objects"][8]["shape"]["ply"]["file"]
-        self.assertEqual((counted, mesh), (400, "torus-400.ply"))
+        self.assertEqual((triangles_of(400), mesh), (400, "torus-400.ply"))
         self.assertEqual(len(data) - data.index(b"end_header\n") - 11, 200 * 12 + 400 * 13)
 
     def test_lamps_share_one_area_and_one_flux(self):
@@ -111,12 +111,15 @@ class Passes(unittest.TestCase):
     def test_points_that_cannot_fit_are_left_out_and_named(self):
         axes = (Axis("triangles", "triangles", (100, 10000, 1000000), ("path",)),)
         study = self.study(axes)
-        heavy = run(load_s=0.5)
-        larger = Setting("triangles", "path", 1000000, 1000000, "hall.json", (160, 90), 2)
-        self.assertIn("--full", too_much(study, larger, (heavy, TOKEN), 1e12))
-        self.assertIsNone(too_much(self.study(axes, full=True), larger, (heavy, TOKEN), 1e12))
-        self.assertIsNone(too_much(study, TOKEN, (heavy, TOKEN), 1e12))
-        self.assertIn("memory", too_much(study, TOKEN, (heavy, TOKEN), 1.0))
+        at = lambda count: replace(TOKEN, value=count, counted=count)  # noqa: E731
+        # Nothing but what is there from the start, and then 0.1 s for each ten thousand triangles.
+        taken = [(at(100), [run(load_s=0.5)])]
+        self.assertIsNone(too_much(study, at(10000), taken, 1e12))
+        taken.append((at(10000), [run(load_s=0.6)]))
+        self.assertIn("--full", too_much(study, at(1000000), taken, 1e12))
+        self.assertIsNone(too_much(self.study(axes, full=True), at(1000000), taken, 1e12))
+        self.assertIsNone(too_much(study, at(20000), taken, 1e12))
+        self.assertIn("memory", too_much(study, at(20000), taken, 1.0))
 
     def test_every_point_is_taken_as_often_with_other_seeds_and_the_same_samples(self):
         axes = (Axis("depth", "bounces", (1, 2, 4), ("path", "bdpt")),)
