@@ -131,7 +131,7 @@ fn lamp(text: &mut String, lamp: &EmitterFacts) -> std::fmt::Result {
     if let Some([x, y]) = lamp.chromaticity {
         write!(text, ", xy ({x:.5}, {y:.5})")?;
     }
-    match lamp.colour_temperature {
+    match lamp.colour_temperature() {
         Some(cct) => writeln!(text, ", CCT {:.0} K (Duv {:+.4})", cct.kelvin.0, cct.duv),
         None if lamp.chromaticity.is_none() => writeln!(text, ", dark"),
         None => writeln!(text, ", no CCT (too far from the Planckian locus)"),

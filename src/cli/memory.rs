@@ -3,7 +3,7 @@
 
 use etalon::camera::batch_numbers;
 use etalon::error::{Error, Result};
-use etalon::integrator::{Budget, Integrator};
+use etalon::integrator::{Budget, Integrator, Memory};
 use etalon::scene::View;
 
 /// Numbers of a channel of a pixel that independent samples are gathered in: sums, their squares
@@ -14,6 +14,8 @@ const NUMBERS_OF_CHAINS: u64 = 11;
 /// Numbers of a pixel, all channels together, that the error of a finished picture is told from:
 /// luminance, standard error, weight and their product.
 const NUMBERS_OF_ERROR: u64 = 4;
+/// Channels of a file beyond those of the film: standard errors of X, Y and Z.
+const WRITTEN_BESIDE: u64 = 3;
 /// Bytes that a picture may take where the system does not say what is free.
 const MOST_BYTES: u64 = 64 << 30;
 
@@ -49,10 +51,13 @@ impl Numbers {
     /// Bytes of a picture.
     fn bytes(self, pixels: u64, channels: u64) -> u64 {
         let values = pixels.saturating_mul(channels).saturating_mul(self.per_value);
-        let beside = pixels.saturating_mul(NUMBERS_OF_ERROR);
         let batches = batch_numbers(pixels).saturating_mul(self.batches);
-        let all = values.saturating_add(beside).saturating_add(batches);
-        all.saturating_mul(size_of::<f64>() as u64)
+        let held = values.saturating_add(batches).saturating_mul(size_of::<f64>() as u64);
+        // The error is told before anything is written; then channels stand beside the film twice, as
+        // the file's and to develop from.
+        let told = pixels.saturating_mul(NUMBERS_OF_ERROR * size_of::<f64>() as u64);
+        let written = (2 * channels + WRITTEN_BESIDE) * size_of::<f32>() as u64;
+        held.saturating_add(told.max(pixels.saturating_mul(written)))
     }
 }
 
@@ -78,6 +83,17 @@ pub fn check(view: &View, numbers: Numbers) -> Result<()> {
     .hint("ask for fewer pixels or fewer spectral layers"))
 }
 
+/// What a run has held at most, after its seconds; empty where the system does not tell.
+pub fn in_words(memory: Memory) -> String {
+    /// Below it MiB are easier to read than GiB.
+    const GIB: u64 = 1 << 30;
+    match memory.peak_resident_bytes {
+        None => String::new(),
+        Some(bytes) if bytes < GIB => format!(" and {} MiB", bytes.div_ceil(1 << 20)),
+        Some(bytes) => format!(" and {:.1} GiB", bytes as f64 / GIB as f64),
+    }
+}
+
 /// Memory that a process can have without others being moved out, where Linux says so.
 fn free_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
@@ -91,16 +107,24 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    /// By hand, of a large picture of three channels: 3 numbers of a value, 4 of a pixel, and 33
-    /// batches at 32768 pixels, three times.
+    #[test]
+    fn memory_is_told_in_a_unit_that_suits_it() {
+        let words = |bytes: u64| in_words(Memory { peak_resident_bytes: Some(bytes) });
+        assert_eq!(words((17 << 20) - 5), " and 17 MiB");
+        assert_eq!(words(5 << 29), " and 2.5 GiB");
+        assert_eq!(in_words(Memory::default()), "");
+    }
+
+    /// By hand, of a large picture of three channels: 3 numbers of a value, 36 bytes of a pixel when
+    /// it is written, and 33 batches at 32768 pixels, three times.
     #[test]
     fn all_that_a_render_holds_is_counted() {
         const PIXELS: u64 = 1 << 22;
         let told = Budget { samples_per_pixel: 16, time: None, error: None, seed: 0 };
         let path = Numbers::of(Integrator::Path, &told).bytes(PIXELS, 3);
-        assert_eq!(path, 8 * (PIXELS * (3 * 3 + 4) + 3 * 33 * (1 << 15)));
+        assert_eq!(path, 8 * (PIXELS * 3 * 3 + 3 * 33 * (1 << 15)) + 36 * PIXELS);
         let open = Budget { time: Some(Duration::from_secs(1)), ..told };
         let chains = Numbers::of(Integrator::Mlt, &open).bytes(PIXELS, 3);
-        assert_eq!(chains, 8 * (PIXELS * (4 * 11 * 3 + 4) + 16 * 33 * (1 << 15)));
+        assert_eq!(chains, 8 * (PIXELS * 4 * 11 * 3 + 16 * 33 * (1 << 15)) + 36 * PIXELS);
     }
 }

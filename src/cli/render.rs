@@ -14,7 +14,7 @@ use etalon::image::checkpoint::Identity;
 use etalon::image::{
     DEVELOPED_ENDINGS, Facts, Label, Layers, Stopping, write_developed, write_exr, write_text,
 };
-use etalon::integrator::{Budget, Integrator, Rendering, Stopwatch, Times};
+use etalon::integrator::{Budget, Integrator, Memory, Rendering, Stopwatch, Times};
 use etalon::metropolis::Outcome;
 use etalon::path::Groups;
 use etalon::pilot::{Report, Selection};
@@ -131,10 +131,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         write_report(report, &facts)?;
     }
     super::print(&format!(
-        "{}: {} samples per pixel in {:.1} s{}",
+        "{}: {} samples per pixel in {:.1} s{}{}",
         arguments.output.display(),
         facts.samples_per_pixel,
         facts.seconds,
+        memory::in_words(facts.memory),
         error_words(&facts)
     ));
     if !facts.conditions.is_empty() {
@@ -396,5 +397,6 @@ pub fn render_to_files(
         let label = Label { scene: &facts.scene, camera: &camera, tone: camera.tone };
         write_developed(png, &darkroom, &label).map_err(|e| watch.reassure(e))?;
     }
+    facts.memory = Memory::so_far();
     Ok(facts)
 }

@@ -1,7 +1,7 @@
 //! What a picture file says about itself, as one JSON text beside the standard attributes.
 
 use crate::camera::{CameraRecord, CellErrors, Crop, Film, PictureError};
-use crate::integrator::{Budget, Cost, End, Integrator, Times, Truncation, USUAL_TARGETS, cpu_seconds};
+use crate::integrator::{Budget, Cost, End, Integrator, Memory, Times, Truncation, USUAL_TARGETS, cpu_seconds};
 use crate::metropolis::Outcome;
 use crate::pilot::Report;
 use crate::replay::SampleName;
@@ -32,6 +32,9 @@ pub struct Facts {
     pub cpu_seconds: Option<f64>,
     /// What the parts of the run took.
     pub times: Times,
+    /// What the process has held at most until the facts were gathered; in a report the writing of
+    /// the pictures is included.
+    pub memory: Memory,
     /// Processes that the run has taken: one, and one more for every time it was resumed.
     pub parts: u32,
     /// When the run was to end.
@@ -169,6 +172,7 @@ impl Facts {
             seconds: times.render.wall_s + times.bootstrap.map_or(0.0, |cost| cost.wall_s),
             cpu_seconds: cpu_seconds(),
             times,
+            memory: Memory::so_far(),
             parts: 1,
             stopping: Stopping::of(budget),
             integrator: integrator.name(),

@@ -3,7 +3,7 @@
 //! A row's samples are taken in order by one thread and added up in f64, and rows are added to
 //! the film in their order, so the picture does not depend on how many threads there are.
 
-use super::in_order::InOrder;
+use super::in_order::for_each_in_order;
 use super::run::{Gathered, Source};
 use super::stopping::Budget;
 use super::tracer::Tracer;
@@ -13,7 +13,6 @@ use crate::replay::{Faults, PixelSample, SampleName};
 use crate::sampler::{BlockSampler, Sampler};
 use crate::scene::{Plan, View};
 use crate::spectrum::{Spectrum, Wavelengths};
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -177,18 +176,19 @@ pub(super) fn render_block(
 ) {
     let [_, height] = view.camera.resolution();
     let rows_done = AtomicU64::new(0);
-    let merge = InOrder::new(|row, result: RowResult| {
+    let take = |row: usize, result: RowResult| {
         film.add_row(row, &result.own, block.size);
         film.add_splats(&result.taken.splat_pixels, &result.taken.splat_values);
         film.faults.merge(result.faults);
         film.fates.merge(&result.fates);
-    });
-    (0..height as usize).into_par_iter().with_max_len(1).for_each(|row| {
+    };
+    let work = |row: usize| {
         let result = render_row(tracer, view, block, row);
-        merge.add(row, result);
         let done = rows_done.fetch_add(1, Ordering::Relaxed) + 1;
         report_share(done as f64 / f64::from(height));
-    });
+        result
+    };
+    for_each_in_order(height as usize, work, take);
 }
 
 fn render_row(tracer: &Tracer<'_>, view: &View, block: &BlockOf, row: usize) -> RowResult {

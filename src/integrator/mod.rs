@@ -10,6 +10,7 @@ mod depth;
 mod direct;
 mod in_order;
 mod measure;
+mod memory;
 mod pyramid;
 mod run;
 mod stopping;
@@ -26,6 +27,7 @@ pub use measure::{
     MeterTaken, Reading, eye_of, instrument_plan, instrument_plan_under, meter_sensor, read_meters,
     read_meters_under,
 };
+pub use memory::Memory;
 pub use pyramid::{Pyramid, StrategyFilms, render_pyramid};
 pub(crate) use run::{Clock, Gathered, Source};
 pub use run::{End, Progress, Rendering, Silent, Spent, State};

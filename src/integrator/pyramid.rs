@@ -1,14 +1,13 @@
 //! One picture for each strategy: what people draw to understand bidirectional rendering.
 
 use super::blocks::BlockOf;
-use super::in_order::InOrder;
+use super::in_order::for_each_in_order;
 use super::stopping::Budget;
 use super::tracer::Tracer;
 use crate::camera::Film;
 use crate::path::Subpaths;
 use crate::sampler::BlockSampler;
 use crate::scene::{Plan, View};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Samples of one block.
@@ -61,11 +60,8 @@ pub fn render_pyramid(
             break;
         }
         let block = BlockOf { seed: budget.seed, number, size, direct_light: false };
-        let merge = InOrder::new(|_, result: RowResult| add(&mut pyramid, &result, channels));
-        (0..height).into_par_iter().with_max_len(1).for_each(|row| {
-            merge.add(row as usize, find(tracer, view, &block, row, longest));
-        });
-        drop(merge);
+        let work = |row: usize| find(tracer, view, &block, row as u32, longest);
+        for_each_in_order(height as usize, work, |_, result| add(&mut pyramid, &result, channels));
         for films in pyramid.values_mut() {
             films.unweighted.finish_block(size);
             films.weighted.finish_block(size);

@@ -48,8 +48,6 @@ pub struct EmitterFacts {
     pub xyz: Xyz,
     /// CIE 1931 chromaticity; `None` for black.
     pub chromaticity: Option<[f64; 2]>,
-    /// Correlated colour temperature, where it is defined.
-    pub colour_temperature: Option<ColourTemperature>,
 }
 
 /// Radiance (surface) or largest intensity (point): per nm at the grid points, and of each line.
@@ -191,8 +189,13 @@ impl EmitterFacts {
             intensity: intensity.map(Candelas),
             xyz,
             chromaticity,
-            colour_temperature: chromaticity.and_then(colour::colour_temperature),
         }
+    }
+
+    /// Correlated colour temperature; `None` where there is none. It is searched for when it is asked
+    /// for: of a hall of 10^4 lamps that search would take most of the time to load.
+    pub fn colour_temperature(&self) -> Option<ColourTemperature> {
+        self.chromaticity.and_then(colour::colour_temperature)
     }
 
     /// Power as the sensors see it, by which lights are chosen: X + Y + Z of the flux.

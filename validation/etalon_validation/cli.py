@@ -7,6 +7,7 @@ from pathlib import Path
 
 from .converge_cli import add_converge
 from .errors import InputError
+from .growth_cli import add_growth
 from .pages_cli import add_commands
 from .peer_cli import add_peer_commands
 
@@ -66,6 +67,7 @@ def parser():
     peers.set_defaults(run=run_peers)
 
     add_converge(commands)
+    add_growth(commands)
 
     savings = commands.add_parser("plan-savings", help="measure what plans leave out, and write validation/plan.md")
     savings.add_argument("--program", type=Path, default=Path("target/release/etalon"), help="the program etalon")

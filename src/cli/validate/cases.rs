@@ -1,7 +1,7 @@
 //! The reference cases, as data: what each renders, with what, and what it is held against.
 //! A new case is a folder in `reference/` and a line here.
 
-use super::{peers, self_test};
+use super::{growth, peers, self_test};
 use etalon::error::{Error, Result};
 use etalon::integrator::Integrator;
 
@@ -79,7 +79,7 @@ impl Case {
 
     /// The case of a name.
     pub fn named(name: &str) -> Result<&'static Self> {
-        let names = || CASES.iter().map(|case| case.name).chain([self_test::NAME, "all"]);
+        let names = || CASES.iter().map(|case| case.name).chain([self_test::NAME, growth::NAME, "all"]);
         CASES.iter().find(|case| case.name == name).ok_or_else(|| Error::unknown_name("case", name, names()))
     }
 

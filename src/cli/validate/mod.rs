@@ -3,6 +3,7 @@
 
 mod all;
 mod cases;
+mod growth;
 mod one;
 mod peers;
 mod photographs;
@@ -19,7 +20,8 @@ use std::process::ExitCode;
 pub struct Arguments {
     /// Case: cornell, yale-grey, yale-brown, stanford, stanford-left, schoedl (exposure alone), cornell-ccd
     /// (seven bands), yale-cross, stanford-cross (predicted from another photograph), peers (against
-    /// Mitsuba 3), self-test (a synthetic photograph with a known answer); or all but the last two
+    /// Mitsuba 3), self-test (a synthetic photograph with a known answer), growth (cost against pixels,
+    /// triangles, lamps, depth, channels and threads); or all but the last three
     case: String,
     /// The photograph; without it the region table measured on it is used. With all: CASE=FILE,
     /// as often as there are photographs
@@ -39,9 +41,12 @@ pub struct Arguments {
     #[arg(long)]
     force_registration: bool,
     /// With peers: seconds of all runs that show error against run time together, the two converged
-    /// pictures apart [default: 180]
+    /// pictures apart [default: 180]; with growth: CPU seconds of all runs [default: 1000]
     #[arg(long, value_name = "SECONDS", value_parser = budget)]
     budget: Option<f64>,
+    /// With growth: take every point, 10 million triangles and 3840 x 2160 pixels among them
+    #[arg(long)]
+    full: bool,
     /// Folder for reports and images [default: out/validate-CASE]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -50,8 +55,14 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    if arguments.case == growth::NAME {
+        return growth::run(arguments);
+    }
+    if arguments.full {
+        return Err(Error::new("--full goes with growth").hint("leave it out").into());
+    }
     if arguments.budget.is_some() && arguments.case != peers::NAME {
-        return Err(Error::new("--budget goes with peers").hint("leave it out").into());
+        return Err(Error::new("--budget goes with peers and growth").hint("leave it out").into());
     }
     if arguments.case == self_test::NAME {
         return self_test::run(arguments);

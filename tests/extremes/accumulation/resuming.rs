@@ -63,7 +63,7 @@ fn compare(record: &mut Record, integrator: &str, folder: &Path) {
     let differing = pairs.filter(|(a, b)| a != b).count();
     record.exactly(format!("{integrator}: values that differ"), differing, 0);
     for facts in [&mut facts, &mut straight_facts] {
-        for of_time in ["seconds", "cpu_seconds", "parts", "times"] {
+        for of_time in ["seconds", "cpu_seconds", "parts", "times", "memory"] {
             facts[of_time].take();
         }
         facts["error"]["seconds_to"].take();
