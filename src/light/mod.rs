@@ -9,10 +9,12 @@
 //! [`Lights`] decides.
 
 mod area;
+mod bilinear;
 mod choose;
 mod cluster;
 mod cone;
 mod hierarchy;
+mod near_rectangle;
 mod point;
 pub mod power;
 mod profile;
