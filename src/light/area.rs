@@ -4,7 +4,6 @@ use super::cluster::Cluster;
 use super::cone::Cone;
 use super::near_rectangle::NearRectangle;
 use super::{EmittedRay, LightSample};
-use crate::geometry::primitive::Parallelogram;
 use crate::geometry::{Bounds, Frame, Geometry, Primitive, SurfacePoint};
 use crate::sampler::inverse::{BELOW_ONE, turn, unit};
 use crate::spectrum::{Emission, Wavelengths};
@@ -70,10 +69,7 @@ impl AreaLight {
                 (point, pdf * self.share_of(geometry, id))
             }
             primitive => match near(primitive, from) {
-                Some((quad, seen)) => {
-                    let (point, pdf) = seen.sample(quad, u);
-                    (point, pdf * self.share_of(geometry, id))
-                }
+                Some(near) => (near.sample(u), near.pdf() * self.share_of(geometry, id)),
                 None => {
                     let point = primitive.sample_area(u);
                     (point, self.pdf_by_area(from, &point))
@@ -104,7 +100,7 @@ impl AreaLight {
                 sphere.pdf_solid_angle(from.position, point) * self.share_of(geometry, primitive)
             }
             surface => match near(surface, from) {
-                Some((quad, seen)) => seen.pdf(quad, point) * self.share_of(geometry, primitive),
+                Some(near) => near.pdf() * self.share_of(geometry, primitive),
                 None => self.pdf_by_area(from, point),
             },
         }
@@ -158,7 +154,7 @@ impl AreaLight {
         let u = match geometry.primitive(id) {
             Primitive::Sphere(sphere) => sphere.invert_solid_angle(from.position, point)?,
             primitive => match near(primitive, from) {
-                Some((quad, seen)) => seen.invert(quad, point).map(unit),
+                Some(near) => near.invert(point),
                 None => primitive.invert_area(point.position),
             },
         };
@@ -270,9 +266,9 @@ impl AreaLight {
 
 /// A rectangle that is near enough to be drawn from by what it fills of the view.
 #[inline]
-fn near<'p>(primitive: &'p Primitive, from: &SurfacePoint) -> Option<(&'p Parallelogram, NearRectangle)> {
+fn near<'p>(primitive: &'p Primitive, from: &SurfacePoint) -> Option<NearRectangle<'p>> {
     match primitive {
-        Primitive::Parallelogram(quad) => NearRectangle::new(quad, from).map(|seen| (quad, seen)),
+        Primitive::Parallelogram(quad) => NearRectangle::new(quad, from),
         _ => None,
     }
 }

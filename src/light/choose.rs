@@ -4,7 +4,8 @@
 use super::Light;
 use super::hierarchy::Hierarchy;
 use super::split::Member;
-use crate::geometry::{Geometry, SurfacePoint};
+use crate::geometry::Geometry;
+use glam::Vec3A;
 
 /// All lights of a scene, and the probability of asking each.
 ///
@@ -77,7 +78,7 @@ impl Lights {
     /// Picks a light for a lit position by a number in [0, 1); with it the probability of
     /// that choice. `None` where nothing shines.
     #[inline]
-    pub fn choose_towards(&self, from: &SurfacePoint, u: f64) -> Option<(u32, f64)> {
+    pub fn choose_towards(&self, from: Vec3A, u: f64) -> Option<(u32, f64)> {
         let Some(hierarchy) = &self.hierarchy else { return self.choose_emitting(u) };
         if u < Self::POWER_SHARE {
             let (index, by_power) = self.choose_emitting(u / Self::POWER_SHARE)?;
@@ -89,7 +90,7 @@ impl Lights {
 
     /// Probability that `choose_towards` picks the light of an index for a lit position.
     #[inline]
-    pub fn probability_towards(&self, from: &SurfacePoint, index: u32) -> f64 {
+    pub fn probability_towards(&self, from: Vec3A, index: u32) -> f64 {
         let by_power = self.probability_emitting(index);
         match &self.hierarchy {
             Some(hierarchy) if by_power > 0.0 => Self::mixed(by_power, hierarchy.probability(from, index)),
@@ -131,7 +132,7 @@ mod tests {
     use crate::light::{AreaLight, Distribution, PointLight};
     use crate::sampler::mix;
     use crate::spectrum::{Dense, Emission};
-    use glam::{DVec3, Vec3A};
+    use glam::DVec3;
 
     fn uniform(state: &mut u64) -> f64 {
         *state += 1;
@@ -140,14 +141,6 @@ mod tests {
 
     fn position(state: &mut u64) -> Vec3A {
         Vec3A::from_array([0; 3].map(|_| uniform(state) as f32))
-    }
-
-    /// A place that faces somewhere: which way, the place decides.
-    fn lit(position: Vec3A) -> SurfacePoint {
-        let mut state =
-            position.to_array().map(|v| u64::from(v.to_bits())).into_iter().fold(0, |a, b| mix(a ^ b));
-        let normal = (self::position(&mut state) - 0.5).normalize();
-        SurfacePoint { position, error: Vec3A::ZERO, normal }
     }
 
     fn point(position: Vec3A, distribution: Distribution) -> Light {
@@ -177,7 +170,7 @@ mod tests {
     }
 
     fn probabilities(lights: &Lights, from: Vec3A) -> Vec<f64> {
-        (0..lights.len() as u32).map(|index| lights.probability_towards(&lit(from), index)).collect()
+        (0..lights.len() as u32).map(|index| lights.probability_towards(from, index)).collect()
     }
 
     /// Probabilities are numbers that add up to one, and above zero where there is power.
@@ -197,8 +190,8 @@ mod tests {
         let mut counts = vec![0_u32; lights.len()];
         for draw in 0..draws {
             let u = (f64::from(draw) + 0.5) / f64::from(draws);
-            let (index, probability) = lights.choose_towards(&lit(from), u).expect("something shines");
-            assert_eq!(probability, lights.probability_towards(&lit(from), index));
+            let (index, probability) = lights.choose_towards(from, u).expect("something shines");
+            assert_eq!(probability, lights.probability_towards(from, index));
             counts[index as usize] += 1;
         }
         for (index, (count, probability)) in counts.iter().zip(probabilities(lights, from)).enumerate() {
@@ -229,8 +222,7 @@ mod tests {
             let from = position(&mut state) * 3.0 - 1.0;
             let mut counts = vec![0.0; lights.len()];
             for _ in 0..DRAWS {
-                let (index, _) =
-                    lights.choose_towards(&lit(from), uniform(&mut state)).expect("something shines");
+                let (index, _) = lights.choose_towards(from, uniform(&mut state)).expect("something shines");
                 counts[index as usize] += 1.0;
             }
             let expected = probabilities(&lights, from).into_iter().map(|p| p * f64::from(DRAWS));
@@ -268,7 +260,7 @@ mod tests {
     fn nothing_is_chosen_where_nothing_shines() {
         for lights in [among(vec![]), among(vec![(point(Vec3A::ZERO, Distribution::Isotropic), 0.0)])] {
             for u in [0.0, 0.3, 1.0 - f64::EPSILON / 2.0] {
-                assert_eq!(lights.choose_towards(&lit(Vec3A::ONE), u), None);
+                assert_eq!(lights.choose_towards(Vec3A::ONE, u), None);
                 assert_eq!(lights.choose_emitting(u), None);
             }
         }
@@ -280,8 +272,7 @@ mod tests {
     fn the_first_and_the_last_number_choose_lights_with_power() {
         let (lights, below_one) = (lamps(1000), 1.0 - f64::EPSILON / 2.0);
         for u in [0.0, Lights::POWER_SHARE.next_down(), Lights::POWER_SHARE, below_one] {
-            let (_, probability) =
-                lights.choose_towards(&lit(Vec3A::splat(0.5)), u).expect("something shines");
+            let (_, probability) = lights.choose_towards(Vec3A::splat(0.5), u).expect("something shines");
             assert!(probability > 0.0);
             let (_, probability) = lights.choose_emitting(u).expect("something shines");
             assert!(probability > 0.0);
@@ -312,34 +303,12 @@ mod tests {
             let below = geometry.to_scene(DVec3::new(x, 0.3, 0.0));
             assert_sound(&lights, below);
             for index in 0..8 {
-                let probability = lights.probability_towards(&upwards(below), index);
+                let probability = lights.probability_towards(below, index);
                 let least = Lights::POWER_SHARE * lights.probability_emitting(index);
                 assert_eq!(probability <= least, [2, 3].contains(&index), "{index} from {x}: {probability}");
             }
         }
         let under_the_first = geometry.to_scene(DVec3::new(0.0, 0.0, 0.5));
-        assert!(lights.probability_towards(&upwards(under_the_first), 0) > 0.5);
-    }
-
-    fn upwards(position: Vec3A) -> SurfacePoint {
-        SurfacePoint { position, error: Vec3A::ZERO, normal: Vec3A::Z }
-    }
-
-    /// Two lamps as near as each other, one overhead and one at a cosine of a tenth or less: their
-    /// probabilities are as their cosines, from either side of what is lit.
-    #[test]
-    fn lamps_are_asked_by_their_cosine_where_they_light() {
-        let isotropic = |at: Vec3A| (point(at, Distribution::Isotropic), 1.0);
-        for cosine in [0.1, 1e-3, 0.0] {
-            let low = Vec3A::new((1.0_f32 - cosine * cosine).sqrt(), 0.0, cosine);
-            let lights = among(vec![isotropic(Vec3A::Z), isotropic(low)]);
-            for normal in [Vec3A::Z, -Vec3A::Z] {
-                let from = SurfacePoint { normal, ..upwards(Vec3A::ZERO) };
-                let cosine = f64::from(cosine);
-                let expected = Lights::mixed(0.5, cosine / (1.0 + cosine));
-                let probability = lights.probability_towards(&from, 1);
-                assert!((probability - expected).abs() < 1e-6, "{normal}: {probability} | {expected}");
-            }
-        }
+        assert!(lights.probability_towards(under_the_first, 0) > 0.5);
     }
 }

@@ -6,13 +6,12 @@
 //! Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting",
 //! with one light drawn and no splitting). Nodes have two children, but those of few lights
 //! have them all: asking each costs no more than the turns it saves, and bounds are tightest
-//! there. Of the point its position counts and its true normal, on either side: surfaces may
-//! transmit, and the same probability must follow whoever asks.
+//! there. Only the position of the point counts, not its normal: surfaces may transmit, and
+//! the same probability must follow from a position alone.
 
 use super::cluster::Cluster;
 use super::split::{Member, split};
-use crate::geometry::SurfacePoint;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 
 /// A tree over the lights of a scene.
 #[derive(Clone, Debug)]
@@ -99,7 +98,7 @@ impl Hierarchy {
     /// Picks a light for a position by a number in [0, 1); with it the probability of that
     /// choice.
     #[inline]
-    pub fn choose(&self, from: &SurfacePoint, mut u: f64) -> (u32, f64) {
+    pub fn choose(&self, from: Vec3A, mut u: f64) -> (u32, f64) {
         self.descend(from, |shares| {
             for (turn, share) in shares.iter().enumerate() {
                 if u < *share {
@@ -116,7 +115,7 @@ impl Hierarchy {
 
     /// Probability that `choose` picks a light for a position, by the very same arithmetic.
     #[inline]
-    pub fn probability(&self, from: &SurfacePoint, light: u32) -> f64 {
+    pub fn probability(&self, from: Vec3A, light: u32) -> f64 {
         let mut trail = self.trails[light as usize];
         let (_, probability) = self.descend(from, |shares| {
             let bits = turn_bits(shares.len() as u8);
@@ -130,8 +129,8 @@ impl Hierarchy {
     /// Walks from the root to a light, turning as told when asked with the shares of siblings;
     /// the light, and the product of the shares along the way.
     #[inline]
-    fn descend(&self, from: &SurfacePoint, mut turn: impl FnMut(&[f64]) -> usize) -> (u32, f64) {
-        let from = Lit { position: from.position.as_dvec3(), normal: from.normal.as_dvec3() };
+    fn descend(&self, from: Vec3A, mut turn: impl FnMut(&[f64]) -> usize) -> (u32, f64) {
+        let from = from.as_dvec3();
         let (mut node, mut probability) = (&self.nodes[0], 1.0);
         loop {
             let (first, count) = match node.below {
@@ -140,7 +139,7 @@ impl Hierarchy {
             };
             let siblings = &self.nodes[first..first + count];
             let mut shares = [0.0; SIBLINGS];
-            share_out(siblings, &from, &mut shares[..count]);
+            share_out(siblings, from, &mut shares[..count]);
             let turn = turn(&shares[..count]);
             node = &siblings[turn];
             probability *= shares[turn];
@@ -157,7 +156,7 @@ const fn turn_bits(count: u8) -> u32 {
 /// Probabilities of siblings for a position: by what they give at most; where all are dark, by
 /// intensity.
 #[inline]
-fn share_out(siblings: &[Node], from: &Lit, shares: &mut [f64]) {
+fn share_out(siblings: &[Node], from: DVec3, shares: &mut [f64]) {
     let mut sum = 0.0;
     for (share, node) in shares.iter_mut().zip(siblings) {
         *share = node.gives(from);
@@ -185,57 +184,29 @@ impl Node {
         }
     }
 
-    /// The largest intensity towards a point, times the largest cosine there, over the squared
-    /// distance of the centre; over that of the rim, without cosines, from within the ball around
-    /// the box.
+    /// The largest intensity towards a position over the squared distance of the centre, or
+    /// over that of the rim from within the ball around the box.
     #[inline]
-    fn gives(&self, from: &Lit) -> f64 {
-        let span = from.position - self.center.as_dvec3();
+    fn gives(&self, from: DVec3) -> f64 {
+        let span = from - self.center.as_dvec3();
         let (square, radius2) = (span.length_squared(), f64::from(self.radius).powi(2));
-        let cosines = if square <= radius2 {
-            1.0
-        } else {
-            let distance = square.sqrt();
-            let ball = sine_first(f64::from(self.radius) / distance);
-            let emitted = if self.cos == ALL_AROUND { 1.0 } else { self.cosine(span, distance, ball) };
-            emitted * from.cosine(span, distance, ball)
-        };
-        (self.intensity * cosines / square.max(radius2).max(f64::MIN_POSITIVE)).min(MOST)
+        let cosine =
+            if square <= radius2 || self.cos == ALL_AROUND { 1.0 } else { self.cosine(span, square.sqrt()) };
+        (self.intensity * cosine / square.max(radius2).max(f64::MIN_POSITIVE)).min(MOST)
     }
 
     /// Bound on the cosine of emission towards a position outside the ball, given by its span
     /// from the centre: the angle off the axis, less the half angle of the normals, less half
     /// of what the ball subtends.
     #[inline]
-    fn cosine(&self, span: DVec3, distance: f64, ball: (f64, f64)) -> f64 {
+    fn cosine(&self, span: DVec3, distance: f64) -> f64 {
         let cos = span.dot(self.axis.as_dvec3()) / distance;
         let cos = if self.both_ways { cos.abs() } else { cos };
+        let sin_ball = f64::from(self.radius) / distance;
         let off_axis = (cos, sine(cos));
         let off_cone = less(off_axis, (f64::from(self.cos), f64::from(self.sin)));
-        less(off_cone, ball).0.max(0.0)
+        less(off_cone, (sine(sin_ball), sin_ball)).0.max(0.0)
     }
-}
-
-/// A point that asks for light.
-struct Lit {
-    position: DVec3,
-    normal: DVec3,
-}
-
-impl Lit {
-    /// Bound on the cosine off the normal, on either side, of directions into a ball: the angle of
-    /// its centre less half of what it subtends.
-    #[inline]
-    fn cosine(&self, span: DVec3, distance: f64, ball: (f64, f64)) -> f64 {
-        let cos = span.dot(self.normal).abs() / distance;
-        less((cos, sine(cos)), ball).0
-    }
-}
-
-/// Cosine and sine of an angle up to pi/2, by its sine.
-#[inline]
-fn sine_first(sin: f64) -> (f64, f64) {
-    (sine(sin), sin)
 }
 
 /// The sine that goes with a cosine of an angle up to pi, or the other way round up to pi/2.

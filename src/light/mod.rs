@@ -9,7 +9,6 @@
 //! [`Lights`] decides.
 
 mod area;
-mod bilinear;
 mod choose;
 mod cluster;
 mod cone;

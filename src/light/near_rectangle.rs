@@ -1,71 +1,60 @@
-//! A rectangular lamp near the point that it lights: drawn from by the solid angle that it fills
-//! times the cosine at the point, as far as its four corners tell that.
+//! A rectangular lamp near the point that it lights: drawn from by the solid angle that it fills.
 //!
-//! From further away area sampling does as well and costs half. The cosine is that off the true
-//! normal, on either side: what is lit may transmit.
+//! Near a lamp, the density that area sampling has over directions varies by orders of magnitude;
+//! from further away both are alike, and the solid angle costs more. The cosine at the point is
+//! left out: a product with it takes another 3 % off the variance and costs as much.
 
-use super::bilinear::Bilinear;
 use crate::geometry::SurfacePoint;
 use crate::geometry::primitive::{Parallelogram, SphericalRectangle};
-use glam::DVec3;
+use crate::sampler::inverse::unit;
 
 /// A rectangle near a point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct NearRectangle {
-    rectangle: SphericalRectangle,
-    cosines: Bilinear,
+pub(super) struct NearRectangle<'p> {
+    quad: &'p Parallelogram,
+    seen: SphericalRectangle,
 }
 
 /// Least squared diagonal of a lamp that is near, over the squared distance of its centre.
 const NEAR: f64 = 0.5;
-/// Largest cosine between the edges of a rectangle: what rounding its corners makes of a right
-/// angle.
-const RIGHT: f64 = 1e-6;
-/// Least cosine at a corner: between corners that the horizon passes through there is light too.
-const LEAST_COSINE: f64 = 0.01;
+/// How far a corner of a rectangle may be off, relative to the largest coordinate: by its rounding
+/// and those of two neighbours.
+const CORNER_ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 
-impl NearRectangle {
+impl<'p> NearRectangle<'p> {
     /// `None` for a lamp that is not near, or no rectangle, or seen too flatly for its arithmetic.
     #[inline]
-    pub fn new(quad: &Parallelogram, from: &SurfacePoint) -> Option<Self> {
+    pub fn new(quad: &'p Parallelogram, from: &SurfacePoint) -> Option<Self> {
         let [a, b, c, d] = quad.corners().map(|corner| corner.as_dvec3() - from.position.as_dvec3());
         let center = 0.25 * (a + b + c + d);
         if (c - a).length_squared() < NEAR * center.length_squared() {
             return None;
         }
         let [first, second] = [b - a, d - a];
-        let right = RIGHT * RIGHT * first.length_squared() * second.length_squared();
-        if first.dot(second).powi(2) > right {
+        let reach = quad.corners().map(|corner| f64::from(corner.abs().max_element()));
+        let off = CORNER_ROUNDING * reach.into_iter().fold(0.0, f64::max);
+        if first.dot(second).abs() > off * (first.length() + second.length()) {
             return None;
         }
-        let rectangle = SphericalRectangle::new(a, [first, second])?;
-        let normal = from.normal.as_dvec3();
-        let cosine = |corner: DVec3| (normal.dot(corner).abs() / corner.length()).max(LEAST_COSINE);
-        Some(Self { rectangle, cosines: Bilinear([a, b, d, c].map(cosine)) })
+        Some(Self { quad, seen: SphericalRectangle::new(a, [first, second])? })
     }
 
-    /// Draws a point with its density in sr^-1.
+    /// The point that two numbers name.
     #[inline]
-    pub fn sample(&self, quad: &Parallelogram, u: [f32; 2]) -> (SurfacePoint, f32) {
-        let place = self.cosines.sample(u.map(f64::from));
-        let [s, t] = self.rectangle.sample(place);
-        (quad.at(s, t), self.density(place))
+    pub fn sample(&self, u: [f32; 2]) -> SurfacePoint {
+        let [s, t] = self.seen.sample(u.map(f64::from));
+        self.quad.at(s, t)
     }
 
-    /// The density in sr^-1 with which a point is drawn.
+    /// Density of every point in sr^-1.
     #[inline]
-    pub fn pdf(&self, quad: &Parallelogram, point: &SurfacePoint) -> f32 {
-        self.density(self.rectangle.invert(quad.shares_of(point.position)))
+    pub fn pdf(&self) -> f32 {
+        (1.0 / self.seen.solid_angle()) as f32
     }
 
-    /// The numbers that draw a point.
+    /// The numbers that name a point.
     #[inline]
-    pub fn invert(&self, quad: &Parallelogram, point: &SurfacePoint) -> [f64; 2] {
-        self.cosines.invert(self.rectangle.invert(quad.shares_of(point.position)))
-    }
-
-    #[inline]
-    fn density(&self, place: [f64; 2]) -> f32 {
-        (self.cosines.density(place) / self.rectangle.solid_angle()) as f32
+    pub fn invert(&self, point: &SurfacePoint) -> [f32; 2] {
+        self.seen.invert(self.quad.shares_of(point.position)).map(unit)
     }
 }

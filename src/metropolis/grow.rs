@@ -146,7 +146,7 @@ impl World<'_> {
         wavelengths: &Wavelengths,
         numbers: &mut Numbers,
     ) -> Option<Node> {
-        let (index, _) = self.scene.lights.choose_towards(from, numbers.fine())?;
+        let (index, _) = self.scene.lights.choose_towards(from.position, numbers.fine())?;
         let light = self.scene.lights.get(index);
         let sample = light.sample_towards(&self.scene.geometry, from, numbers.pair(), wavelengths)?;
         Some(Node::light(sample.point, index, sample.primitive))

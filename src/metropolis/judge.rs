@@ -220,7 +220,7 @@ impl Path {
             self.from_eye[last - index].iter_mut().for_each(|ln| *ln += survival);
         }
         let lit = &self.nodes[1].point;
-        let probability = lights.probability_towards(lit, index);
+        let probability = lights.probability_towards(lit.position, index);
         self.asked = match primitive {
             None => probability.ln(),
             Some(primitive) => {

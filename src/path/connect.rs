@@ -81,7 +81,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
             let towards =
                 light.pdf_towards(&self.walker.scene.geometry, from, &last.point, surface.primitive);
             let per_area = last.solid_angle_per_area_from(from.position);
-            lights.probability_towards(from, index) * f64::from(towards) * per_area
+            lights.probability_towards(from.position, index) * f64::from(towards) * per_area
         } else {
             0.0
         };
@@ -350,7 +350,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let Kind::Light { light: index, primitive } = start.kind else { return 0.0 };
         let scene = self.walker.scene;
         let from = &asking.point;
-        let probability = scene.lights.probability_towards(from, index);
+        let probability = scene.lights.probability_towards(from.position, index);
         let Some(primitive) = primitive else { return probability };
         let light = scene.lights.get(index);
         let towards = light.pdf_towards(&scene.geometry, from, &start.point, primitive);
@@ -364,7 +364,7 @@ impl<'a, D: Density> Joiner<'a, '_, D> {
         let choice =
             if walker.plan.chooses_lamps { walker.sampler.fine(Stream::LightChoice, name) } else { 0.0 };
         let lights = &walker.scene.lights;
-        let (index, probability) = lights.choose_towards(point, choice)?;
+        let (index, probability) = lights.choose_towards(point.position, choice)?;
         let light = lights.get(index);
         let u = walker.sampler.pair(Stream::LightPoint, name);
         let sample = light.sample_towards(&walker.scene.geometry, point, u, walker.wavelengths)?;

@@ -179,7 +179,7 @@ impl<'a, 'e> Whole<'a, 'e> {
         match index {
             0 if vertices == 1 => {
                 let from = self.point(1);
-                let probability = lights.probability_towards(from, self.light);
+                let probability = lights.probability_towards(from.position, self.light);
                 let Some(primitive) = self.primitive else { return (Spectrum::ONE, probability) };
                 let towards = light.pdf_towards(&self.scene.geometry, from, self.point(0), primitive);
                 (Spectrum::ONE, probability * f64::from(towards) * self.per_area(1, 0))

@@ -162,7 +162,7 @@ impl Mutator<'_, '_> {
             (1..s.saturating_sub(1)).map(|index| lobe(index, End::Eye, Quantity::Importance)).sum();
         let lit = match (s, path.nodes[0].kind) {
             (1, Kind::Light { light, .. }) => {
-                self.world.scene.lights.probability_towards(&path.nodes[1].point, light).ln()
+                self.world.scene.lights.probability_towards(path.nodes[1].point.position, light).ln()
             }
             _ => 0.0,
         };

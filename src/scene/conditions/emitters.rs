@@ -130,7 +130,7 @@ fn unequal_lights(scene: &Scene, probe: &Probe) -> Option<Condition> {
     let asked = |point| -> Option<(f64, u32)> {
         let seen = (0..scene.lights.len() as u32)
             .filter(|light| sight_of(scene, point, *light) == Some(Sight::Clear))
-            .map(|light| (scene.lights.probability_towards(point, light), light));
+            .map(|light| (scene.lights.probability_towards(point.position, light), light));
         seen.reduce(|a, b| (a.0 + b.0, if b.0 > a.0 { b.1 } else { a.1 }))
     };
     let points = probe.first.iter().step_by(probe.step(scene.lights.len()));
