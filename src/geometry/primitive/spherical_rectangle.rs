@@ -213,16 +213,16 @@ mod tests {
             let least = rectangle.height.min(edges[0].length()).min(edges[1].length());
             let reach = corner.length() + edges[0].length() + edges[1].length();
             let rounding = 12.0 * f64::EPSILON * reach / least;
-            assert!(
-                (own - other).abs() < turned + rounding * own,
-                "{corner} {edges:?}: {own} | {other}"
-            );
+            assert!((own - other).abs() < turned + rounding * own, "{corner} {edges:?}: {own} | {other}");
             seen += 1;
         }
         assert!(seen > 20_000, "{seen}");
         let (corner, edges) = (DVec3::new(-1.0, -1.0, 1.0), [2.0 * DVec3::X, 2.0 * DVec3::Y]);
         let face = SphericalRectangle::new(corner, edges).expect("a face of a cube from its centre");
         assert!((face.solid_angle() - 4.0 * PI / 6.0).abs() < 1e-15);
+        let close = SphericalRectangle::new(DVec3 { z: 1e-3, ..corner }, edges).expect("close to its middle");
+        let quarter = (1.0 / (1e-3 * 2.000_001_f64.sqrt())).atan();
+        assert!((close.solid_angle() - 4.0 * quarter).abs() < 1e-14, "more than half of a half-space");
     }
 
     /// Over six decades of aspect ratio, size and distance. What is told apart are numbers of 24
