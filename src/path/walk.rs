@@ -20,7 +20,8 @@ use crate::scene::{Plan, Scene};
 use crate::spectrum::{Dense, Spectrum, Wavelengths};
 use glam::Vec3A;
 
-/// Bounces before a subpath from the eye may be ended at random.
+/// Bounces before a subpath from the eye may be ended at random. With two the squared error of the Cornell
+/// box is 13 % larger for 10 % less work, with one 48 % for 19 %.
 const SURE_BOUNCES: u32 = 3;
 /// Bounces after which light that has lost nothing counts as trapped, as by total reflection in
 /// clear glass.
