@@ -272,6 +272,10 @@ mod tests {
         }
         let fifty = Budget { samples_per_pixel: 50, time: None, error: None, seed: 0 };
         assert_eq!(taken(&fifty), [12, 12, 12, 12, 2]);
+        let of = |samples_per_pixel| taken(&Budget { samples_per_pixel, ..fifty });
+        assert_eq!(of(256), [16; 16]);
+        assert_eq!(of(512), [32; 16]);
+        assert_eq!(of(4096), [64; 64]);
         let open = Budget { samples_per_pixel: 100, error: Some(0.1), ..fifty };
         assert_eq!(taken(&open), [1, 1, 2, 4, 8, 16, 16, 2]);
     }

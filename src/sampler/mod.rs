@@ -6,15 +6,13 @@
 //!
 //! Within a block of samples each name is a two-dimensional Sobol sequence with Owen
 //! scrambling by hashing (Burley 2020, "Practical hash-based Owen scrambling", JCGT 9(4)),
-//! shuffled so that different names are independent; but the place in the pixel, the first
-//! direction from what is seen there and the point of a light that it asks are dimensions of
-//! one sequence, since together they decide most of what a sample sees. Blocks have independent scrambles,
+//! shuffled so that different names are independent. Blocks have independent scrambles,
 //! which makes the scatter of block means an honest error estimate.
 
 pub(crate) mod inverse;
 mod sobol;
 
-pub use sobol::{owen_sobol_2d, owen_sobol_further};
+pub use sobol::owen_sobol_2d;
 
 /// What a random number decides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,22 +87,8 @@ impl Sampler {
     /// Two numbers in [0, 1) for a decision at a bounce.
     #[inline]
     pub fn pair(&self, stream: Stream, bounce: u32) -> [f32; 2] {
-        match (stream, bounce) {
-            (Stream::Direction, 0) => self.with_pixel(0),
-            (Stream::LightPoint, 1) => self.with_pixel(1),
-            _ => owen_sobol_2d(self.index, self.index_bits, self.key_of(stream, bounce)),
-        }
-    }
-
-    /// Two numbers that are stratified together with those of the pixel.
-    #[inline]
-    fn with_pixel(&self, further: usize) -> [f32; 2] {
-        owen_sobol_further(self.index, self.index_bits, self.key_of(Stream::Pixel, 0), further)
-    }
-
-    #[inline]
-    fn key_of(&self, stream: Stream, bounce: u32) -> u64 {
-        mix(self.key ^ (u64::from(bounce) * u64::from(STREAMS) + stream as u64))
+        let name = u64::from(bounce) * u64::from(STREAMS) + stream as u64;
+        owen_sobol_2d(self.index, self.index_bits, mix(self.key ^ name))
     }
 
     /// One number in [0, 1) with 48 bits, for a choice among things of very unequal weight.
@@ -169,31 +153,6 @@ mod tests {
                 }
                 let z = sum / (f64::from(BLOCKS) / 144.0).sqrt();
                 assert!(z.abs() < 5.0, "{a:?} {b:?}: z = {z}");
-            }
-        }
-    }
-
-    /// The mean square of a block's mean product of two names' numbers, over that of independent
-    /// numbers, which is 1 / (144 * 256): over 400 blocks it has a relative standard deviation of
-    /// sqrt(2 / 400), and of 1 it is 7 of these above the bound. Four products each.
-    #[test]
-    fn the_first_bounce_is_stratified_with_the_pixel() {
-        const SIZE: u32 = 256;
-        const BLOCKS: u32 = 400;
-        for name in [(Stream::Direction, 0), (Stream::LightPoint, 1)] {
-            for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                let mut sum = 0.0;
-                for block in 0..BLOCKS {
-                    let numbers = BlockSampler::new(13, 5, block, SIZE);
-                    let product = |index| {
-                        let sampler = numbers.sample(index);
-                        let (pixel, other) = (sampler.pair(Stream::Pixel, 0), sampler.pair(name.0, name.1));
-                        (f64::from(pixel[a]) - 0.5) * (f64::from(other[b]) - 0.5)
-                    };
-                    sum += ((0..SIZE).map(product).sum::<f64>() / f64::from(SIZE)).powi(2);
-                }
-                let ratio = sum / f64::from(BLOCKS) * 144.0 * f64::from(SIZE);
-                assert!(ratio < 0.5, "{name:?}, {a} and {b}: ratio {ratio}");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The first six dimensions of Sobol's sequence, Owen-scrambled and shuffled: two by two.
+//! The first two dimensions of Sobol's sequence, Owen-scrambled and shuffled.
 
 use super::mix;
 
@@ -7,78 +7,16 @@ use super::mix;
 /// `index` runs from 0 within a block of 2^`index_bits` points; `key` picks the scramble.
 #[inline]
 pub fn owen_sobol_2d(index: u32, index_bits: u32, key: u64) -> [f32; 2] {
-    let shuffled = shuffled(index, index_bits, key);
-    scrambled([shuffled.reverse_bits(), second_dimension(shuffled)], key)
-}
-
-/// Two more dimensions of the points that [`owen_sobol_2d`] draws two of: the third and fourth
-/// (`further` 0) or the fifth and sixth (1).
-#[inline]
-pub fn owen_sobol_further(index: u32, index_bits: u32, key: u64, further: usize) -> [f32; 2] {
-    let shuffled = shuffled(index, index_bits, key);
-    let [x, y] = &FURTHER[further];
-    scrambled([radical_inverse(shuffled, x), radical_inverse(shuffled, y)], mix(key ^ (1 + further as u64)))
-}
-
-/// The place of an index in the sequence.
-#[inline]
-fn shuffled(index: u32, index_bits: u32, key: u64) -> u32 {
+    let (low, high) = (key as u32, (key >> 32) as u32);
     // Shuffling within the block: any power-of-two prefix stays a net.
     let mask = ((1_u64 << index_bits) - 1) as u32;
     // The shuffle has its own key: with one of the scrambles' the leading bits would cancel.
     // Scrambled from the highest bit down, so that neighbours end up far apart; from the
     // lowest up, the halves of one name would fall on the halves of every other.
-    laine_karras(index.reverse_bits(), (mix(key) >> 32) as u32).reverse_bits() & mask
-}
-
-#[inline]
-fn scrambled([x, y]: [u32; 2], key: u64) -> [f32; 2] {
-    let (low, high) = (key as u32, (key >> 32) as u32);
-    let x = laine_karras(x.reverse_bits(), low).reverse_bits();
-    let y = laine_karras(y.reverse_bits(), high).reverse_bits();
+    let shuffled = laine_karras(index.reverse_bits(), (mix(key) >> 32) as u32).reverse_bits() & mask;
+    let x = laine_karras(shuffled, low).reverse_bits();
+    let y = laine_karras(second_dimension(shuffled).reverse_bits(), high).reverse_bits();
     [to_unit(x), to_unit(y)]
-}
-
-/// Direction numbers of the third to the sixth dimension, two by two.
-static FURTHER: [[[u32; 32]; 2]; 2] = [
-    [directions(0b111, [1, 3, 0, 0]), directions(0b1011, [1, 3, 1, 0])],
-    [directions(0b1101, [1, 1, 1, 0]), directions(0b1_0011, [1, 1, 3, 3])],
-];
-
-/// Direction numbers from a primitive polynomial over two elements and the first of them, as odd
-/// integers (Joe and Kuo 2008, "Constructing Sobol sequences with better two-dimensional
-/// projections").
-const fn directions(polynomial: u32, first: [u32; 4]) -> [u32; 32] {
-    let degree = polynomial.ilog2() as usize;
-    let mut all = [0; 32];
-    let mut i = 0;
-    while i < 32 {
-        if i < degree {
-            all[i] = first[i] << (31 - i);
-        } else {
-            all[i] = all[i - degree] ^ (all[i - degree] >> degree);
-            let mut term = 1;
-            while term < degree {
-                if polynomial >> (degree - term) & 1 == 1 {
-                    all[i] ^= all[i - term];
-                }
-                term += 1;
-            }
-        }
-        i += 1;
-    }
-    all
-}
-
-/// Radical inverse by direction numbers, as bits below the binary point.
-#[inline]
-fn radical_inverse(mut index: u32, directions: &[u32; 32]) -> u32 {
-    let mut bits = 0;
-    while index != 0 {
-        bits ^= directions[index.trailing_zeros() as usize];
-        index &= index - 1;
-    }
-    bits
 }
 
 /// Radical inverse in Sobol's second dimension, as bits below the binary point.
@@ -135,34 +73,6 @@ mod tests {
                         assert!(!seen[index], "{bits} bits, key {key}: two points in one interval");
                         seen[index] = true;
                     }
-                }
-            }
-        }
-    }
-
-    /// What a digital net in six dimensions has to be: every dimension by itself has one point in
-    /// each of 2^m intervals, and each further pair is a (1, m, 2)-net, two points in every
-    /// elementary interval of area 2^(1 - m).
-    #[test]
-    fn further_dimensions_are_nets_of_the_same_points() {
-        for bits in [2_u32, 4, 6] {
-            for (key, further) in (0..100).map(mix).flat_map(|key| [(key, 0), (key, 1)]) {
-                let points: Vec<[f32; 2]> =
-                    (0..1 << bits).map(|i| owen_sobol_further(i, bits, key, further)).collect();
-                let cell = |v: f32, bits: u32| (v * (1_u32 << bits) as f32) as usize;
-                for axis in 0..2 {
-                    let mut cells: Vec<usize> = points.iter().map(|point| cell(point[axis], bits)).collect();
-                    cells.sort_unstable();
-                    assert!(cells.into_iter().eq(0..1 << bits), "{bits} bits, key {key}, axis {axis}");
-                }
-                let strength = bits - 1;
-                for columns in 0..=strength {
-                    let rows = strength - columns;
-                    let mut counts = vec![0; 1 << strength];
-                    for [x, y] in &points {
-                        counts[(cell(*x, columns) << rows) | cell(*y, rows)] += 1;
-                    }
-                    assert!(counts.iter().all(|count| *count == 2), "{bits} bits, {further}: {counts:?}");
                 }
             }
         }
