@@ -2,7 +2,9 @@
 #![expect(clippy::unwrap_used, reason = "a set-up that fails is a test that fails")]
 
 use etalon::geometry::primitive::Sphere;
-use etalon::geometry::{Geometry, GeometryBuilder, Ray, Transform, specimens};
+use etalon::geometry::{Geometry, GeometryBuilder, Ray, Shape, SurfacePoint, Transform, specimens};
+use etalon::light::{AreaLight, Light};
+use etalon::spectrum::{Dense, Emission, WavelengthSampler};
 use glam::{DVec3, Vec3, Vec3A};
 use std::f64::consts::{PI, TAU};
 
@@ -222,5 +224,65 @@ fn a_tiny_far_sphere_shines_as_much_as_it_should() {
         let irradiance_over_radiance = 1.0 / f64::from(pdf);
         assert!((irradiance_over_radiance / 3.14159e-24 - 1.0).abs() < 1e-3);
         assert!(point.position.is_finite() && point.normal.z >= 0.0);
+    }
+}
+
+/// Solid angle of a triangle (Van Oosterom and Strackee 1983).
+fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
+    let [l, m, n] = [a, b, c].map(DVec3::length);
+    let below = l * m * n + a.dot(b) * n + a.dot(c) * m + b.dot(c) * l;
+    2.0 * a.dot(b.cross(c)).abs().atan2(below)
+}
+
+/// A square, a strip of 1 to 300 and a sheared parallelogram, from places that touch their middle,
+/// their edge and their plane, and from afar: the mean of one over the density is the solid angle,
+/// and rays that find a point are told the density with which it is drawn.
+#[test]
+fn directions_to_flat_lamps_fill_their_solid_angle() {
+    let wavelengths = WavelengthSampler::even().sample(0.3);
+    let (u, v) = (DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.0, 1.0, 0.0));
+    for (shape, edges) in [[u, v], [u, v / 300.0], [u, v + 0.4 * u]].into_iter().enumerate() {
+        let vertices = [DVec3::ZERO, edges[0], edges[0] + edges[1], edges[1]];
+        let mut builder = GeometryBuilder::new();
+        builder.add_object(&Shape::Quad { vertices }, &Transform::IDENTITY).unwrap();
+        let geometry = builder.build().unwrap();
+        let light = AreaLight::new(&geometry, 0, Emission::new(Dense::Flat(1.0), vec![]), true);
+        let light = Light::Area(light);
+        let normal = edges[0].cross(edges[1]).normalize();
+        for [s, t, height] in [
+            [0.5, 0.5, 1e-3],
+            [0.5, 0.5, 0.1],
+            [0.0, 1.0, 0.05],
+            [1.2, 0.4, 0.02],
+            [1.01, 0.5, 2e-4],
+            [0.3, 0.7, 1.0],
+            [3.0, -2.0, 4.0],
+        ] {
+            // Area sampling, which is left to what is no rectangle, does not converge there.
+            if shape == 2 && height < 0.05 {
+                continue;
+            }
+            let position = geometry.to_scene(edges[0] * s + edges[1] * t - normal * height);
+            let from = SurfacePoint { position, error: Vec3A::ZERO, normal: normal.as_vec3a() };
+            let corners = vertices.map(|corner| (geometry.to_scene(corner) - position).as_dvec3());
+            let [a, b, c, d] = corners;
+            let truth = solid_angle([a, b, c]) + solid_angle([a, c, d]);
+            let mut random = Random(7);
+            let mut means = Means::default();
+            for _ in 0..40_000 {
+                let drawn =
+                    light.sample_towards(&geometry, &from, [random.unit(), random.unit()], &wavelengths);
+                let drawn = drawn.unwrap();
+                let told = light.pdf_towards(&geometry, &from, &drawn.point, drawn.primitive.unwrap());
+                assert!((told / drawn.pdf_solid_angle - 1.0).abs() < 1e-6, "{told} {drawn:?}");
+                means.add(&[1.0 / f64::from(drawn.pdf_solid_angle)]);
+            }
+            let (mean, variance) = means.get(0);
+            let error = SIGMA * variance.sqrt() + 3e-6 * truth;
+            assert!(
+                (mean - truth).abs() < error,
+                "{shape} from {s} {t} {height}: {mean} | {truth} +- {error}"
+            );
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::cluster::Cluster;
 use super::cone::Cone;
+use super::near_rectangle::NearRectangle;
 use super::{EmittedRay, LightSample};
 use crate::geometry::{Bounds, Frame, Geometry, Primitive, SurfacePoint};
 use crate::sampler::inverse::{BELOW_ONE, turn, unit};
@@ -67,10 +68,13 @@ impl AreaLight {
                 let (point, pdf) = sphere.sample_solid_angle(from.position, u)?;
                 (point, pdf * self.share_of(geometry, id))
             }
-            primitive => {
-                let point = primitive.sample_area(u);
-                (point, self.pdf_by_area(from, &point))
-            }
+            primitive => match near(primitive, from) {
+                Some(near) => (near.sample(u), near.pdf() * self.share_of(geometry, id)),
+                None => {
+                    let point = primitive.sample_area(u);
+                    (point, self.pdf_by_area(from, &point))
+                }
+            },
         };
         let shadow_ray = from.ray_to(&point)?;
         let visible = self.shines(point.normal, -shadow_ray.direction);
@@ -95,7 +99,10 @@ impl AreaLight {
             Primitive::Sphere(sphere) => {
                 sphere.pdf_solid_angle(from.position, point) * self.share_of(geometry, primitive)
             }
-            _ => self.pdf_by_area(from, point),
+            surface => match near(surface, from) {
+                Some(near) => near.pdf() * self.share_of(geometry, primitive),
+                None => self.pdf_by_area(from, point),
+            },
         }
     }
 
@@ -146,7 +153,10 @@ impl AreaLight {
         }
         let u = match geometry.primitive(id) {
             Primitive::Sphere(sphere) => sphere.invert_solid_angle(from.position, point)?,
-            primitive => primitive.invert_area(point.position),
+            primitive => match near(primitive, from) {
+                Some(near) => near.invert(point),
+                None => primitive.invert_area(point.position),
+            },
         };
         self.invert_choice(id, u)
     }
@@ -251,5 +261,14 @@ impl AreaLight {
         let within = f64::from(before) + f64::from(u) * (f64::from(upto) - f64::from(before));
         // Rounding must not reach the next primitive.
         (upto > before).then(|| [(within as f32).clamp(before, upto.next_down()), v])
+    }
+}
+
+/// A rectangle that is near enough to be drawn from by what it fills of the view.
+#[inline]
+fn near<'p>(primitive: &'p Primitive, from: &SurfacePoint) -> Option<NearRectangle<'p>> {
+    match primitive {
+        Primitive::Parallelogram(quad) => NearRectangle::new(quad, from),
+        _ => None,
     }
 }

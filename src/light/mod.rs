@@ -13,6 +13,7 @@ mod choose;
 mod cluster;
 mod cone;
 mod hierarchy;
+mod near_rectangle;
 mod point;
 pub mod power;
 mod profile;

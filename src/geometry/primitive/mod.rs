@@ -9,12 +9,14 @@ mod cylinder;
 mod disk;
 mod parallelogram;
 mod sphere;
+mod spherical_rectangle;
 mod triangle;
 
 pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use parallelogram::Parallelogram;
 pub use sphere::Sphere;
+pub use spherical_rectangle::SphericalRectangle;
 pub use triangle::Triangle;
 
 use super::{Bounds, Meeting, PreciseRay, SurfacePoint};

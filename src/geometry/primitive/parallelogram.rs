@@ -75,15 +75,21 @@ impl Parallelogram {
     /// The numbers with which `sample_area` draws a position.
     #[inline]
     pub fn invert_area(&self, position: Vec3A) -> [f32; 2] {
+        self.shares_of(position).map(unit)
+    }
+
+    /// The shares of both edges at which a position lies, beyond 0 to 1 by its own rounding.
+    #[inline]
+    pub fn shares_of(&self, position: Vec3A) -> [f64; 2] {
         let [a, b, c, d] = self.doubles();
         let offset = position.as_dvec3() - a;
         let [u, v] = coefficients(offset, b - a, c - b);
-        let [u, v] = if u >= v { [u, v] } else { coefficients(offset, c - d, d - a) };
-        [unit(u), unit(v)]
+        if u >= v { [u, v] } else { coefficients(offset, c - d, d - a) }
     }
 
+    /// The point at shares of both edges.
     #[inline]
-    fn at(&self, u: f64, v: f64) -> SurfacePoint {
+    pub fn at(&self, u: f64, v: f64) -> SurfacePoint {
         let [a, b, c, d] = self.doubles();
         let position =
             if u >= v { a * (1.0 - u) + b * (u - v) + c * v } else { a * (1.0 - v) + d * (v - u) + c * u };
