@@ -12,10 +12,10 @@ INTEGRATORS = "path,bdpt,mlt"
 
 def add_peer_commands(commands):
     """Adds them to the subcommands of the program."""
-    run = commands.add_parser("mitsuba-render", help="render a diffuse scene once with Mitsuba 3, in its own environment")
+    run = commands.add_parser("mitsuba-render", help="render a scene once with Mitsuba 3, in its own environment")
     run.add_argument("--case", type=Path, required=True, help="case folder with scene.json")
     run.add_argument("--spectra", type=Path, default=Path("spectra"), help="folder of spectral tables")
-    run.add_argument("--variant", default="scalar_spectral")
+    run.add_argument("--integrator", default="scalar-path", choices=("scalar-path", "llvm-path", "llvm-ptracer"))
     run.add_argument("--resolution", type=size, required=True, metavar="WxH")
     run.add_argument("--spp", type=int, required=True)
     run.add_argument("--seed", type=int, default=0)
@@ -48,7 +48,7 @@ def run_mitsuba(chosen):
     """One picture and its seconds."""
     from .peer_mitsuba import render_to_file
 
-    render_to_file(chosen.case, chosen.spectra, chosen.resolution, chosen.variant, chosen.spp, chosen.seed, chosen.threads, chosen.output, chosen.times)
+    render_to_file(chosen.case, chosen.spectra, chosen.resolution, chosen.integrator, chosen.spp, chosen.seed, chosen.threads, chosen.output, chosen.times)
 
 
 def run_study(chosen):

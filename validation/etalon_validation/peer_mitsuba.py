@@ -15,20 +15,22 @@ compilation, which a first sample per pixel that is thrown away takes.
 import json
 import tempfile
 import time
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
 
-from .errors import InputError, meaning, read_json
-from .peer_scene import EFFICACY, Spectra, mitsuba_scene
+from .errors import InputError
+from .peer_mitsuba_scene import LIGHT, PATH, mitsuba_scene
+from .peer_scene import EFFICACY, Spectra, read_scene
+from .peer_write import write_xyz
 
 SCALAR = "scalar_spectral"
 LLVM = "llvm_ad_spectral"
+# Variant and integrator by what `--integrator` takes.
+INTEGRATORS = {"scalar-path": (SCALAR, PATH), "llvm-path": (LLVM, PATH), "llvm-ptracer": (LLVM, LIGHT)}
 # Samples of all pixels that a compiled kernel holds in memory at once.
 MOST_LANES = 1 << 22
-# X, Y, Z are their own primaries, with equal energy white (OpenEXR's advice for CIE XYZ).
-XYZ_CHROMATICITIES = (1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3)
 
 
 def load_mitsuba(variant, threads=None):
@@ -44,32 +46,15 @@ def load_mitsuba(variant, threads=None):
     return mi
 
 
-def load_scene(mi, scene, spectra, place):
-    """The scene as Mitsuba holds it."""
+def load_scene(mi, scene, integrator=PATH):
+    """A `Scene` as Mitsuba holds it."""
     with tempfile.TemporaryDirectory() as folder:
-        with meaning(place, "correct the scene"):
-            described = mitsuba_scene(mi, scene, spectra, folder, place)
-        return mi.load_dict(described)
+        return mi.load_dict(mitsuba_scene(mi, scene, folder, integrator))
 
 
 def render_xyz(mi, scene, spp, seed):
     """Absolute XYZ (height, width, 3), Y in cd/m2."""
     return EFFICACY / mi.MI_CIE_Y_NORMALIZATION * np.array(mi.render(scene, spp=spp, seed=seed), float)
-
-
-def write_xyz(path, xyz, stderr=None):
-    """Writes XYZ in cd/m2, and its standard errors where they are known, as an EXR."""
-    layers = [xyz] if stderr is None else [xyz, stderr]
-    pixels = np.ascontiguousarray(np.concatenate(layers, axis=-1), np.float32)
-    height, width, channels = pixels.shape
-    spec = oiio.ImageSpec(width, height, channels, "float")
-    spec.channelnames = tuple("XYZ") + (() if stderr is None else ("stderr.X", "stderr.Y", "stderr.Z"))
-    spec.attribute("whiteLuminance", 1.0)
-    spec.attribute("chromaticities", "float[8]", XYZ_CHROMATICITIES)
-    file = oiio.ImageOutput.create(str(path))
-    if file is None or not file.open(str(path), spec) or not file.write_image(pixels):
-        raise InputError(path, "cannot be written", "check the folder and its permissions")
-    file.close()
 
 
 def passes(spp, pixels, is_compiled):
@@ -78,14 +63,12 @@ def passes(spp, pixels, is_compiled):
     return [most] * (spp // most) + ([spp % most] if spp % most else [])
 
 
-def render_to_file(case, spectra_folder, resolution, variant, spp, seed, threads, output, times):
+def render_to_file(case, spectra_folder, resolution, integrator, spp, seed, threads, output, times):
     """One run: the picture into `output`, and processor and wall seconds of its rendering as JSON into `times`."""
-    place = Path(case) / "scene.json"
-    described = read_json(place, "give a case folder with the diffuse scene")
-    with meaning(place, "give the scene a camera"):
-        described["camera"]["resolution"] = list(resolution)
+    variant, kind = INTEGRATORS[integrator]
+    described = read_scene(Path(case) / "scene.json", Spectra(spectra_folder), resolution)
     mi = load_mitsuba(variant, threads)
-    scene = load_scene(mi, described, Spectra(spectra_folder), place)
+    scene = load_scene(mi, described, kind)
     parts = passes(spp, resolution[0] * resolution[1], variant == LLVM)
     if variant == LLVM:
         render_xyz(mi, scene, 1, seed)
@@ -93,6 +76,6 @@ def render_to_file(case, spectra_folder, resolution, variant, spp, seed, threads
     # Each pass has a seed of its own: runs use fewer than 1000 passes.
     pictures = (count * render_xyz(mi, scene, count, 1000 * seed + index) for index, count in enumerate(parts))
     xyz = sum(pictures) / spp
-    taken = {"render": {"cpu_s": time.process_time() - cpu, "wall_s": time.monotonic() - wall}}
+    taken = {"render": {"cpu_s": time.process_time() - cpu, "wall_s": time.monotonic() - wall}, "version": f"Mitsuba {metadata.version('mitsuba')}"}
     write_xyz(output, xyz)
     Path(times).write_text(json.dumps(taken) + "\n", encoding="utf-8")

@@ -12,6 +12,7 @@ from .peer_mitsuba import LLVM, SCALAR
 
 # What variants are called in plots and tables.
 SHORT = {SCALAR: "mitsuba scalar", LLVM: "mitsuba llvm"}
+PREFIX = {SCALAR: "scalar", LLVM: "llvm"}
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def mitsuba(python, case, spectra, resolution, threads, variant, library=None):
     def words(spp, seed, output, times):
         size = "{}x{}".format(*resolution)
         return [
-            python, "-m", "etalon_validation", "mitsuba-render", "--case", case, "--spectra", spectra, "--resolution", size, "--variant", variant,
+            python, "-m", "etalon_validation", "mitsuba-render", "--case", case, "--spectra", spectra, "--resolution", size, "--integrator", f"{PREFIX[variant]}-path",
             "--spp", spp, "--seed", seed, "--threads", threads, "-o", output, "--times", times,
         ]
 
