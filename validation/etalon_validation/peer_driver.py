@@ -17,7 +17,7 @@ import importlib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-DRIVERS = ("mitsuba",)
+DRIVERS = ("mitsuba", "luxcore", "pbrt")
 # What lets another Python run this harness.
 HARNESS_ENVIRONMENT = {"PYTHONPATH": str(Path(__file__).parents[1]), "PYTHONDONTWRITEBYTECODE": "1"}
 
