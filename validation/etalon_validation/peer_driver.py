@@ -13,6 +13,7 @@ it renders:
   `--case --spectra --resolution --integrator --spp --seed --threads -o EXR --times JSON`.
 """
 
+import argparse
 import importlib
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -35,6 +36,29 @@ class Ready:
     version: str
     notes: tuple = ()
     unable: dict = field(default_factory=dict)
+
+
+def size(text):
+    """WIDTHxHEIGHT as two whole numbers."""
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
+        raise argparse.ArgumentTypeError(f"{text} is no size; give width and height as in 128x128")
+    return int(width), int(height)
+
+
+def add_render_command(commands, command, title, integrators, render):
+    """Adds the subcommand of a peer; `render` is called with the chosen arguments."""
+    run = commands.add_parser(command, help=f"render a scene once with {title}, in its own environment")
+    run.add_argument("--case", type=Path, required=True, help="folder with scene.json")
+    run.add_argument("--spectra", type=Path, default=Path("spectra"), help="folder of spectral tables")
+    run.add_argument("--integrator", choices=integrators, default=integrators[0])
+    run.add_argument("--resolution", type=size, required=True, metavar="WxH")
+    run.add_argument("--spp", type=int, required=True, help="samples per pixel")
+    run.add_argument("--seed", type=int, default=0)
+    run.add_argument("--threads", type=int, help="all processors if left out")
+    run.add_argument("-o", "--output", type=Path, required=True, help="EXR to write")
+    run.add_argument("--times", type=Path, required=True, help="JSON to write: seconds of rendering")
+    run.set_defaults(run=render)
 
 
 def drivers(names=DRIVERS):

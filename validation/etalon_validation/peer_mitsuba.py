@@ -13,6 +13,7 @@ compilation, which a first sample per pixel that is thrown away takes.
 """
 
 import json
+import subprocess
 import tempfile
 import time
 from importlib import metadata
@@ -21,16 +22,65 @@ from pathlib import Path
 import numpy as np
 
 from .errors import InputError
+from .peer_driver import HARNESS_ENVIRONMENT, Ready, add_render_command
 from .peer_mitsuba_scene import LIGHT, PATH, mitsuba_scene
 from .peer_scene import EFFICACY, Spectra, read_scene
 from .peer_write import write_xyz
 
 SCALAR = "scalar_spectral"
 LLVM = "llvm_ad_spectral"
+NAME, COMMAND = "mitsuba", "mitsuba-render"
 # Variant and integrator by what `--integrator` takes.
-INTEGRATORS = {"scalar-path": (SCALAR, PATH), "llvm-path": (LLVM, PATH), "llvm-ptracer": (LLVM, LIGHT)}
+KINDS = {"scalar-path": (SCALAR, PATH), "llvm-path": (LLVM, PATH), "llvm-ptracer": (LLVM, LIGHT)}
+INTEGRATORS = tuple(KINDS)
+# All three estimate one picture: the most efficient of those that can makes the reference.
+REFERENCE = dict.fromkeys(INTEGRATORS, ("llvm-path", "llvm-ptracer", "scalar-path"))
+# The folder of its environment below `target`, and what a library of LLVM is tried on.
+ENVIRONMENT, TRIAL_SIZE = "python-peers", "16x16"
 # Samples of all pixels that a compiled kernel holds in memory at once.
 MOST_LANES = 1 << 22
+
+
+def add_command(commands):
+    """Adds `mitsuba-render`."""
+    add_render_command(commands, COMMAND, "Mitsuba 3", INTEGRATORS, lambda chosen: render_to_file(
+        chosen.case, chosen.spectra, chosen.resolution, chosen.integrator, chosen.spp, chosen.seed, chosen.threads, chosen.output, chosen.times,
+    ))
+
+
+def ready(target, spectra):
+    """The environment below `target` and an LLVM that works; both are looked for, neither is installed here."""
+    from .peer_llvm import LIBRARY, usable
+
+    python = Path(target) / ENVIRONMENT / "bin" / "python"
+    version = installed_version(python)
+    words, environment = (str(python), "-m", "etalon_validation"), dict(HARNESS_ENVIRONMENT)
+    case = Path(spectra).parent / "reference" / "cornell"
+
+    def trial(output, times):
+        return [*words, COMMAND, "--case", case, "--spectra", spectra, "--integrator", "llvm-path", "--resolution", TRIAL_SIZE, "--spp", 1, "-o", output, "--times", times]
+
+    library, note = usable(trial, environment)
+    if library is not None:
+        return Ready(words, environment | {LIBRARY: str(library)}, f"Mitsuba {version}", (note,))
+    unable = {name: note for name, (variant, _) in KINDS.items() if variant == LLVM}
+    return Ready(words, environment, f"Mitsuba {version}", (note,), unable)
+
+
+def installed_version(python):
+    """Mitsuba's version in an environment."""
+    asked = "from importlib import metadata; print(metadata.version('mitsuba'))"
+    try:
+        return subprocess.run([str(python), "-c", asked], capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        raise InputError("mitsuba", f"is not installed in {python.parent.parent}", "run etalon validate peers, or install validation/requirements-peers.txt there") from None
+
+
+def refuses(integrator, scene):
+    """Why an integrator cannot render a scene; `None` where it can."""
+    if KINDS[integrator][1] == LIGHT and not scene.is_diffuse:
+        return "light tracing to a pinhole sees nothing in mirrors and through glass"
+    return None
 
 
 def load_mitsuba(variant, threads=None):
@@ -65,7 +115,7 @@ def passes(spp, pixels, is_compiled):
 
 def render_to_file(case, spectra_folder, resolution, integrator, spp, seed, threads, output, times):
     """One run: the picture into `output`, and processor and wall seconds of its rendering as JSON into `times`."""
-    variant, kind = INTEGRATORS[integrator]
+    variant, kind = KINDS[integrator]
     described = read_scene(Path(case) / "scene.json", Spectra(spectra_folder), resolution)
     mi = load_mitsuba(variant, threads)
     scene = load_scene(mi, described, kind)

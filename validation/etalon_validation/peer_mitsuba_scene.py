@@ -87,6 +87,9 @@ def lamp(radiance):
 
 def spectrum(table):
     """A table as Mitsuba's tabulated spectrum, linear between samples and zero outside."""
+    if table.holds and len(set(table.values)) == 1:
+        # A table of nothing but zeros is refused.
+        return {"type": "uniform", "value": table.values[0]}
     nm, values = np.array(table.nm), np.array(table.values)
     step = nm[1] - nm[0] if len(nm) > 1 else 0.0
     is_even = len(nm) > 2 and np.allclose(np.diff(nm), step, rtol=1e-6)

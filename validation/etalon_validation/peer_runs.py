@@ -29,14 +29,14 @@ class Contestant:
     is_foreign: bool = False
 
 
-def etalon(program, scene, integrator, resolution, threads):
-    """An integrator of Etalon."""
+def etalon(program, scene, integrator, resolution, threads, name=None):
+    """An integrator of Etalon, by its own name or another."""
 
     def words(spp, seed, output, times):
         size = "{}x{}".format(*resolution)
         return [program, "render", scene, "-o", output, "--integrator", integrator, "--spp", spp, "--seed", seed, "--resolution", size, "--threads", threads, "--report", times]
 
-    return Contestant(integrator, words, etalon_stages)
+    return Contestant(name or integrator, words, etalon_stages)
 
 
 def etalon_stages(report):
@@ -59,6 +59,19 @@ def mitsuba(python, case, spectra, resolution, threads, variant, library=None):
     if library is not None:
         environment[LIBRARY] = str(library)
     return Contestant(SHORT[variant], words, lambda report: report, environment, is_foreign=True)
+
+
+def peer(driver, ready, integrator, case, spectra, resolution, threads):
+    """An integrator of a peer by its driver and what `ready` gave."""
+
+    def words(spp, seed, output, times):
+        size = "{}x{}".format(*resolution)
+        return [
+            *ready.words, driver.COMMAND, "--case", case, "--spectra", spectra, "--resolution", size, "--integrator", integrator,
+            "--spp", spp, "--seed", seed, "--threads", threads, "-o", output, "--times", times,
+        ]
+
+    return Contestant(f"{driver.NAME} {integrator}", words, lambda report: report, ready.environment, is_foreign=True)
 
 
 def run(contestant, point, repeat, spp, seed, output):
