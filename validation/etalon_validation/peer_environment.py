@@ -15,6 +15,8 @@ from pathlib import Path
 from .errors import InputError
 
 REQUIREMENTS = Path(__file__).parents[1]
+# Programs that a build runs for itself may compute much, and by default are not optimised; what is built stays the same.
+BUILD_SCRIPTS = {"CARGO_PROFILE_RELEASE_BUILD_OVERRIDE_OPT_LEVEL": "3"}
 
 
 def python_environment(target, folder, requirements):
@@ -37,8 +39,8 @@ def cargo_program(target, folder, crate, version, words=()):
     with making(place, pinned, "program.installed") as is_made:
         if not is_made:
             say(f"building {crate} {version} in {place} (once, some minutes)")
-            built = ["cargo", "install", crate, "--version", version, "--locked", "--bin", crate, *words, "--root", place]
-            finish(built, place, "install Rust, and check the network")
+            built = [os.environ.get("CARGO", "cargo"), "install", crate, "--version", version, "--locked", "--bin", crate, *words, "--root", place]
+            finish(built, place, "install Rust, and check the network", BUILD_SCRIPTS)
     if not program.is_file():
         raise InputError(program, "is not there although it was built", f"remove {place} and run this again")
     return program
@@ -57,10 +59,10 @@ def making(place, pinned, stamp):
             file.write_text(pinned, encoding="utf-8")
 
 
-def finish(words, place, remedy):
-    """Runs a command to its end; an `InputError` with its last words if it fails."""
+def finish(words, place, remedy, environment=None):
+    """Runs a command to its end, with more in its environment; an `InputError` with its last words if it fails."""
     try:
-        done = subprocess.run([str(word) for word in words], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+        done = subprocess.run([str(word) for word in words], stdin=subprocess.DEVNULL, env=os.environ | (environment or {}), capture_output=True, text=True, check=False)
     except OSError as error:
         raise InputError(place, f"cannot be made ({os.path.basename(str(words[0]))}: {error.strerror})", remedy) from None
     if done.returncode:

@@ -2,7 +2,7 @@
 
 LuxCore computes with three channels. They are three bands of luminance here
 (`peer_luxcore_bands.py`), so its converged picture is its own reference. Its bidirectional integrator loses no energy to Russian roulette,
-which is wrong as shipped, but ends all paths after `BOUNCES`. Processor seconds
+which is wrong as shipped, but ends all paths as `peer_depth.py` says. Processor seconds
 are those of the threads that render: the thread that waits for them is left out.
 """
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from .errors import InputError
 from .peer_command import Answer, add_render_command
+from .peer_depth import bounces
 from .peer_driver import HARNESS_ENVIRONMENT, Ready
 from .peer_environment import python_environment
 from .peer_luxcore_bands import luminance
@@ -28,14 +29,12 @@ ENGINES = {
 }
 INTEGRATORS = tuple(ENGINES)
 REFERENCE = {"path": "path", "path-metropolis": "path", "bidir": "bidir", "bidir-metropolis": "bidir"}
-# Where paths of the bidirectional integrator end: light reflected more often is under 1 % of the picture in closed white rooms.
-BOUNCES = 16
 # Where those of the path tracer end at the latest, which roulette ends before.
 MOST_BOUNCES = 64
 # Seconds between looks at how many samples are there.
 LOOK_S = 0.005
 NOTES = (
-    f"LuxCore computes with three channels, which are luminance in three bands of wavelengths, and has round shapes as triangles; its bidirectional integrator runs without Russian roulette and ends paths after {BOUNCES} reflections.",
+    "LuxCore computes with three channels, which are luminance in three bands of wavelengths, and has round shapes as triangles; its bidirectional integrator runs without Russian roulette and ends paths after a number of reflections that leaves out under 1 % of the picture.",
     "LuxCore's seconds are the processor seconds of its rendering threads.",
 )
 
@@ -70,8 +69,8 @@ def configuration(order):
         "path.clamping.variance.maxvalue": 0.0,
     }
     if engine == "BIDIRCPU":
-        # Paths of either side are counted by their vertices, the first of which is on the lens or the lamp.
-        return common | {"path.maxdepth": BOUNCES, "light.maxdepth": BOUNCES, "path.russianroulette.depth": 1000}
+        ends = bounces(order.scene)
+        return common | {"path.maxdepth": ends, "light.maxdepth": ends, "path.russianroulette.depth": 1000}
     return common | {f"path.pathdepth.{kind}": MOST_BOUNCES for kind in ("total", "diffuse", "glossy", "specular")}
 
 

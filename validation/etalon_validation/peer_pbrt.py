@@ -1,17 +1,17 @@
 """pbrt-r4 as a peer, a spectral renderer after pbrt-v4: path tracing, bidirectional, and Metropolis.
 
-It is built from its published source without default features. It ends paths of
-its bidirectional algorithms after a number of reflections and has no roulette
-there. Metropolis takes no seed: the number of its first samples, from which the
-chains are begun, stands for one. Processor seconds are those of its process,
-less those of a run of one pixel and one sample, which reads the same scene.
+It is built from its published source without default features. Its
+bidirectional algorithms have no roulette and end paths as `peer_depth.py` says.
+Metropolis takes no seed: the number of its first samples, from which the chains
+are begun, stands for one. Processor seconds are those of its process, less those
+of a run of one pixel and one sample, which reads the same scene.
 """
 
 import os
 import resource
 import subprocess
-import tempfile
 import sys
+import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +20,7 @@ import numpy as np
 
 from .errors import InputError
 from .peer_command import Answer, add_render_command
+from .peer_depth import bounces
 from .peer_driver import HARNESS_ENVIRONMENT, Ready
 from .peer_environment import cargo_program
 from .peer_pbrt_scene import scene_text
@@ -33,14 +34,12 @@ INTEGRATORS = ("path", "bdpt", "mlt")
 REFERENCE = {"path": "path", "bdpt": "bdpt", "mlt": "bdpt"}
 # Reflections after which paths end: those of the path tracer long after its roulette has ended them.
 MOST_BOUNCES = 64
-# Light reflected more often is under 1 % of the picture in closed white rooms.
-BOUNCES = 16
 # First samples of Metropolis, as shipped, and how many more a seed of one takes.
 FIRST_SAMPLES, SEED_STEP = 100_000, 997
 # XYZ from the linear RGB of its film: the inverse of the matrix that it writes by.
 RGB_FROM_XYZ = np.array([[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.041556], [0.055648, -0.204043, 1.057311]])
 NOTES = (
-    f"pbrt-r4's bidirectional algorithms end paths after {BOUNCES} reflections.",
+    "pbrt-r4's bidirectional algorithms end paths after a number of reflections that leaves out under 1 % of the picture.",
     "pbrt-r4's seconds are those of its process less those of a run of one pixel.",
 )
 
@@ -66,7 +65,7 @@ def integrator_line(order):
     """The line of the scene file that chooses the integrator."""
     if order.integrator == "path":
         return f'Integrator "path" "integer maxdepth" [ {MOST_BOUNCES} ]'
-    line = f'Integrator "{order.integrator}" "integer maxdepth" [ {BOUNCES} ]'
+    line = f'Integrator "{order.integrator}" "integer maxdepth" [ {bounces(order.scene)} ]'
     if order.integrator == "mlt":
         line += f' "integer mutationsperpixel" [ {order.spp} ] "integer bootstrapsamples" [ {FIRST_SAMPLES + SEED_STEP * order.seed} ]'
     return line
