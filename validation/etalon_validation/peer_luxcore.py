@@ -11,9 +11,9 @@ import time
 import numpy as np
 
 from .errors import InputError
-from .peer_command import Answer, add_render_command
+from .peer_command import Answer, fulfil
 from .peer_depth import bounces
-from .peer_driver import HARNESS_ENVIRONMENT, Ready
+from .peer_driver import HARNESS_ENVIRONMENT, Ready, add_render_command
 from .peer_environment import python_environment
 from .peer_luxcore_bands import luminance
 from .peer_luxcore_scene import describe
@@ -53,7 +53,7 @@ def refuses(integrator, scene):
 
 def add_command(commands):
     """Adds the subcommand that renders once."""
-    add_render_command(commands, COMMAND, TITLE, INTEGRATORS, render)
+    add_render_command(commands, COMMAND, TITLE, INTEGRATORS, lambda chosen: fulfil(chosen, render))
 
 
 def configuration(order):

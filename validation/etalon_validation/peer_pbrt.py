@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from .errors import InputError
-from .peer_command import Answer, add_render_command
+from .peer_command import Answer, fulfil
 from .peer_depth import bounces
-from .peer_driver import HARNESS_ENVIRONMENT, Ready
+from .peer_driver import HARNESS_ENVIRONMENT, Ready, add_render_command
 from .peer_environment import cargo_program
 from .peer_pbrt_scene import scene_text
 
@@ -58,7 +58,7 @@ def refuses(integrator, scene):
 
 def add_command(commands):
     """Adds the subcommand that renders once."""
-    add_render_command(commands, COMMAND, TITLE, INTEGRATORS, render)
+    add_render_command(commands, COMMAND, TITLE, INTEGRATORS, lambda chosen: fulfil(chosen, render))
 
 
 def integrator_line(order):

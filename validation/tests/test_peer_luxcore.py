@@ -134,3 +134,7 @@ class Configurations(unittest.TestCase):
             self.assertEqual((told["renderengine.seed"], told["native.threads.count"]), (1, 3))
             self.assertEqual(told.get("path.russianroulette.depth") == 1000, name.startswith("bidir"))
             self.assertIn(REFERENCE[name], INTEGRATORS)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -132,3 +132,7 @@ class Failures(unittest.TestCase):
         said = self.refused("exit 0")
         self.assertIn("failed", said)
         self.assertNotIn("\n", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
