@@ -74,6 +74,6 @@ def run_race(chosen):
     def say(line):
         print(line, flush=True)
 
-    results = [race(chosen, case, peers, chosen.budget / len(chosen.cases), say) for case in chosen.cases]
+    results = [race(chosen, case, peers, say) for case in chosen.cases]
     for line in lines(write_all(chosen, results, peers, notes)):
         print(line)
