@@ -20,6 +20,9 @@ const SCENES: [&str; 3] = ["cornell", "schoedl-2007", "slit-room"];
 /// Every folder in `reference/` with a scene that all peers can be given.
 const KNOWN: [&str; 6] = ["cornell", "schoedl-2007", "slit-room", "cornell-photo", "yale-grey", "stanford"];
 
+/// The peer whose environment this program makes; others are made by their drivers.
+const MITSUBA: &str = "mitsuba";
+
 /// What a reader opens.
 const REPORT: &str = "performance.html";
 
@@ -28,9 +31,11 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let root = project_root()?;
     let cases = cases(&arguments.scenes, &root)?;
     arguments.effort.start_threads()?;
-    // Before the harness: an environment of Mitsuba that cannot be made leaves it out and no other.
-    if let Err(error) = Environment::prepare(&PEERS) {
-        eprintln!("note: {error}");
+    // One that cannot be made leaves Mitsuba out and nobody else.
+    if arguments.peers.is_empty() || arguments.peers.iter().any(|name| name == MITSUBA) {
+        if let Err(error) = Environment::prepare(&PEERS) {
+            eprintln!("note: {error}");
+        }
     }
     let output = folder(arguments);
     let mut words: Vec<OsString> = vec!["--cases".into()];
