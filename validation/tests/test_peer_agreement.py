@@ -26,8 +26,9 @@ class Agreements(unittest.TestCase):
     def setUp(self):
         self.generator = np.random.default_rng(17)
 
-    def judge(self, scale=1.0, noise=0.1):
-        return agreement(stack(self.generator, noise, scale), stack(self.generator, 0.5 * noise))
+    def judge(self, scale=1.0, noise=0.1, share=0.5):
+        """`share`: our noise over theirs."""
+        return agreement(stack(self.generator, noise, scale), stack(self.generator, share * noise))
 
     def test_pictures_that_differ_by_noise_agree_and_the_interval_holds_one(self):
         found = self.judge()
@@ -54,10 +55,11 @@ class Agreements(unittest.TestCase):
         self.assertEqual(self.judge(1.05, noise=20.0).verdict, UNDECIDED)
 
     def test_chance_alone_makes_a_difference_no_more_often_than_is_said(self):
-        studies = 300
+        studies = 150
         with mock.patch.object(peer_agreement, "MEAN_MARGIN", 0.0), mock.patch.object(peer_agreement, "BLOCK_MARGIN", 0.0):
-            alarms = sum(self.judge().verdict == DIFFERS for _ in range(studies))
-        self.assertLessEqual(alarms, stats.binom.isf(ALPHA, studies, FALSE_ALARM))
+            for share in (0.3, 1.0, 3.0):
+                alarms = sum(self.judge(share=share).verdict == DIFFERS for _ in range(studies))
+                self.assertLessEqual(alarms, stats.binom.isf(ALPHA, studies, FALSE_ALARM), share)
 
     def test_small_and_dark_pictures_have_blocks_too(self):
         self.assertEqual(block_means(np.ones((2, 9, 12))).shape, (2, 1, 1))

@@ -11,6 +11,7 @@ from unittest import mock
 import numpy as np
 
 from etalon_validation import peer_race
+from etalon_validation.converge_data import Run, Series
 from etalon_validation.converge_reference import FileReference
 from etalon_validation.errors import InputError
 from etalon_validation.peer_agreement import AGREES, DIFFERS
@@ -20,7 +21,8 @@ from etalon_validation.peer_race import OURS, judge, race, ready_peers
 from etalon_validation.peer_race_report import lines, write_all
 from etalon_validation.peer_ratios import headline, ratios
 from etalon_validation.peer_runs import Contestant
-from etalon_validation.peer_session import REPEATS, TRIAL_SPP
+from etalon_validation.peer_session import REPEATS
+from etalon_validation.peer_study import rendering_only
 
 from .convergence import SIZE, series, truth
 from .peer_files import write_exr
@@ -129,6 +131,11 @@ class Ratios(unittest.TestCase):
         self.assertEqual(row.counts, row.rendering)
         self.assertAlmostEqual(row.process.value, row.rendering.value, delta=0.05)
 
+    def test_pilot_and_bootstrap_are_rendering_and_loading_is_not(self):
+        run = Run("etalon auto", 0, 0, 9.0, render_cpu_s=4.0, pilot_cpu_s=2.0, bootstrap_cpu_s=1.0, load_cpu_s=2.0)
+        made = rendering_only(Series("etalon auto", (run,), np.ones((1, *SIZE))))
+        self.assertEqual(made.runs[0].cpu_s, 7.0)
+
     def test_a_peers_own_level_does_not_count_as_error_and_is_told(self):
         (row,) = ratios(result(self.generator, {"other path": (1.0, 1.3, {})}))
         self.assertEqual(row.verdict, DIFFERS)
@@ -156,11 +163,11 @@ class Sessions(Made):
         }
         return types.SimpleNamespace(**words | more)
 
-    def driver(self, name="other", integrators=("path", "odd", "lost"), **more):
+    def driver(self, name="other", integrators=("path", "odd", "lost")):
         """A peer whose `odd` refuses every scene and whose `lost` fails in the middle."""
         return types.SimpleNamespace(
             NAME=name, COMMAND=f"{name}-render", INTEGRATORS=integrators, REFERENCE=dict.fromkeys(integrators, ("none", "path")),
-            ready=lambda target, spectra: Ready(("true",), {}, f"{name} 1", ("it is small",)), refuses=lambda integrator, scene: "it is odd" if integrator == "odd" else None, **more,
+            ready=lambda target, spectra: Ready(("true",), {}, f"{name} 1", ("it is small",)), refuses=lambda integrator, scene: "it is odd" if integrator == "odd" else None,
         )
 
     def contestants(self):
@@ -174,14 +181,13 @@ class Sessions(Made):
     def test_a_session_leaves_out_what_fails_and_writes_what_it_found(self):
         notes, chosen = [], self.chosen()
         ours, theirs = self.contestants()
-        with ours, theirs, mock.patch.object(peer_race, "drivers", lambda *_: [self.driver(), self.driver("gone", ready=None)]) as _:
-            with mock.patch.object(peer_race, "ready_peers", lambda chosen, notes: [(self.driver(), self.driver().ready(None, None))]):
-                peers = peer_race.ready_peers(chosen, notes)
+        peers = [(self.driver(), self.driver().ready(None, None))]
+        with ours, theirs:
             made = race(chosen, chosen.cases[0], peers, **SILENT)
         self.assertEqual([report.name for report in made.rendering], ["etalon path", "other path"])
         self.assertEqual([note.split(":")[0] for note in made.notes], ["other odd is left out", "other lost is left out"])
         self.assertIn("out of luck", made.notes[1])
-        self.assertEqual({len(report.points[0:1]) and report.points[0].repeats for report in made.rendering}, {REPEATS})
+        self.assertEqual({point.repeats for report in made.rendering for point in report.points}, {REPEATS})
         report = write_all(chosen, [made], peers, notes)
         (line,) = lines(report)
         self.assertIn("etalon path over other path (agrees)", line)
@@ -218,8 +224,8 @@ class Sessions(Made):
         chosen = self.chosen(budget=1e-3)
         with ours, theirs, self.assertRaisesRegex(InputError, r"--budget 0\.001: has no room"):
             race(chosen, chosen.cases[0], [], **SILENT)
-        self.assertEqual(self.started, 1, "converged pictures are not made for a session that cannot be")
-        self.assertEqual(TRIAL_SPP, 16)
+        # The trial alone: no converged picture is made for a session that cannot be.
+        self.assertEqual(self.started, 1)
 
 
 if __name__ == "__main__":
