@@ -74,6 +74,10 @@ def run_race(chosen):
     def say(line):
         print(line, flush=True)
 
-    results = [race(chosen, case, peers, chosen.budget / len(chosen.cases), say) for case in chosen.cases]
-    for line in lines(write_all(chosen, results, peers, notes)):
+    results = []
+    for case in chosen.cases:
+        results.append(race(chosen, case, peers, say))
+        # After each scene: a session that is cut short leaves what it has found.
+        report = write_all(chosen, results, peers, notes)
+    for line in lines(report):
         print(line)

@@ -84,8 +84,8 @@ def ready_peers(chosen, notes):
     return found
 
 
-def race(chosen, case, peers, budget_s, say=print):
-    """The `SceneResult` of one case within about so many wall seconds."""
+def race(chosen, case, peers, say=print):
+    """The `SceneResult` of one case within its share of the budget."""
     name, notes = case.name, []
     folder = chosen.folder / name
     changes = write_variant(case, chosen.spectra, folder)
@@ -98,12 +98,13 @@ def race(chosen, case, peers, budget_s, say=print):
         notes.append(f"{contestant.name} is left out: {error}")
         say(f"note: {notes[-1]}")
 
-    pictures = references(chosen, folder, size, entries, peers, budget_s * REFERENCE_SHARE, notes, say)
+    found = costs([entry.contestant for entry in entries], drop)
+    entries = [entry for entry in entries if entry.contestant.name in found]
+    share = (1 - REFERENCE_SHARE) / len(chosen.cases)
+    plan = schedule(found, chosen.budget * share, chosen.threads, None, share)
+    pictures = references(chosen, folder, size, entries, peers, notes, say)
     running = [entry.contestant for entry in entries if entry.reference in pictures]
-    found = costs(running, drop)
-    running = [contestant for contestant in running if contestant.name in found]
-    plan = schedule(found, budget_s * (1 - REFERENCE_SHARE), chosen.threads, None)
-    say(f"{name}: {len(running)} series at {len(next(iter(plan.spp.values())))} budgets in turns, about {plan.expected_s:.0f} s")
+    say(f"{name}: {len(running)} series at {len(next(iter(plan.spp.values())))} budgets in turns, about {plan.expected_s:.0f} s on an idle machine")
     runs = rounds(running, plan, folder / "runs", say=say, drop=drop)
     write_rows(folder / "runs.csv", Run, [entry for done in runs.values() for entry in relative(done, folder)])
     series = [replace(series_of(contestant.name, runs[contestant.name]), is_foreign=contestant.is_foreign) for contestant in running if contestant.name in runs]
@@ -156,8 +157,9 @@ def family(driver, integrator):
     return f"{driver.NAME} {makers}" if isinstance(makers, str) else driver.NAME
 
 
-def references(chosen, folder, size, entries, peers, budget_s, notes, say):
+def references(chosen, folder, size, entries, peers, notes, say):
     """`Converged` pictures by name, Etalon's among them; a peer whose picture cannot be made is left out."""
+    budget_s = chosen.budget * REFERENCE_SHARE / len(chosen.cases)
     names = list(dict.fromkeys(entry.reference for entry in entries))
     makers = {name: makers_of(name, chosen, folder, size, entries, peers) for name in names}
     found = {}

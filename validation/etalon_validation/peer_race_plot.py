@@ -39,8 +39,8 @@ def draw(reports, caption):
     height = tall + below
     figure = pyplot.figure(figsize=(WIDTH_IN, height))
     bottom, share = below / height, (tall - 0.35) / height
-    left = figure.add_axes((0.06, bottom, 0.27, share))
-    right = figure.add_axes((0.345, bottom, 0.27, share), sharex=left, sharey=left)
+    left = figure.add_axes((0.06, bottom, 0.265, share))
+    right = figure.add_axes((0.335, bottom, 0.265, share), sharex=left, sharey=left)
     styles = looks([report.name for report in reports])
     for axes, (kind, title) in zip((left, right), PANELS):
         draw_errors(axes, reports, kind, styles)
@@ -48,7 +48,7 @@ def draw(reports, caption):
         axes.set_xlabel("CPU seconds of rendering alone")
     left.set_ylabel("relative mean squared error of luminance")
     right.tick_params(labelleft=False, which="both")
-    draw_efficiencies(figure.add_axes((0.755, bottom, 0.235, share)), reports, styles)
+    draw_efficiencies(figure.add_axes((0.765, bottom, 0.2, share)), reports, styles)
     figure.text(0.01, 0.08 / height, "\n".join(lines), fontsize=7.4, va="bottom", linespacing=1.35, color=INK)
     return figure
 
@@ -89,10 +89,14 @@ def draw_efficiencies(axes, reports, styles):
             lows.append(low)
             axes.plot([low, high], [row + shift] * 2, color=colour, linewidth=1.4)
             axes.plot([ratio.value], [row + shift], color=colour, marker=marker, markerfacecolor=face, markersize=5.5)
+        if report.ratio_to_best is not None:
+            axes.annotate(f"{report.ratio_to_best.value:.2g}", (1.02, row), xycoords=("axes fraction", "data"), fontsize=7.4, va="center", annotation_clip=False)
     axes.axvline(1, color=GREY, linewidth=1, linestyle="--")
-    axes.set_yticks(range(len(reports)), [report.name for report in reports])
+    axes.set_yticks(range(len(reports)), [report.name for report in reports], fontsize=9)
     axes.set_ylim(len(reports) - 0.5, -0.5)
     axes.set_xlim(min([*lows, 0.5]) / 1.5, 2)
+    low = axes.get_xlim()[0]
+    axes.xaxis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5) if low > 0.02 else (1,)))
     axes.xaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(ticker.NullFormatter())
     axes.grid(color="#dcdddf", linewidth=0.6, axis="x")

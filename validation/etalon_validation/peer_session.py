@@ -69,10 +69,11 @@ def cost_of(contestant):
     return Cost(max(tried.cpu_s - tried.render_cpu_s, 0.0), tried.render_cpu_s / TRIAL_SPP)
 
 
-def schedule(found, budget_s, threads, most_spp):
+def schedule(found, budget_s, threads, most_spp, share=1.0):
     """The `Schedule` that fills a budget of wall seconds: as many points as it has room for, at most `POINTS`.
 
-    `most_spp` bounds the samples of Etalon's first series, `None` those of none.
+    `most_spp` bounds the samples of Etalon's first series, `None` those of none. The seconds are
+    this share of what the user gave as a budget.
     """
     series, slowest = len(found), max(cost.cpu_s_per_spp for cost in found.values())
     first = next(iter(found.values())).cpu_s_per_spp
@@ -90,8 +91,8 @@ def schedule(found, budget_s, threads, most_spp):
             return Schedule({name: tuple(spp * 2**point for point in range(points)) for name, spp in base.items()}, REPEATS * (points * load_s + rendering / threads))
     least = REPEATS * (FEWEST_POINTS * load_s + series * (2**FEWEST_POINTS - 1) * slowest / threads)
     raise InputError(
-        f"--budget {budget_s:g}", f"has no room for {FEWEST_POINTS} points of {REPEATS} repeats of {series} series",
-        f"give at least {np.ceil(least):g} s" + ("" if most_spp is None else f", and a reference of at least {int(np.ceil(REFERENCE_LEAD * slowest / first * 2 ** (FEWEST_POINTS - 1)))} samples per pixel as --spp"),
+        f"--budget {budget_s / share:g}", f"has no room for {FEWEST_POINTS} points of {REPEATS} repeats of {series} series",
+        f"give at least {np.ceil(least / share):g} s" + ("" if most_spp is None else f", and a reference of at least {int(np.ceil(REFERENCE_LEAD * slowest / first * 2 ** (FEWEST_POINTS - 1)))} samples per pixel as --spp"),
     )
 
 

@@ -116,7 +116,8 @@ class Spectra:
         if found is None:
             raise InputError(place, f"index {index!r} is not understood by the peers", "give a number or a name of the spectra folder")
         columns = read_columns(found)
-        return float(np.interp(INDEX_NM, columns[:, 0], columns[:, 1]))
+        # Most glasses are kept as coefficients of Sellmeier's formula, which are not in the hundreds.
+        return sellmeier(*columns.T) if columns[0, 0] < 100 else float(np.interp(INDEX_NM, columns[:, 0], columns[:, 1]))
 
     def luminance(self, spectrum):
         """Luminance in cd/m2 of a table of spectral radiance in W sr^-1 m^-2 nm^-1, on the observer's 1 nm grid."""
@@ -153,14 +154,18 @@ def black_body(temperature_k):
     return table(nm, planck / (560.0**-5 / np.expm1(C2_NM_K / (560.0 * temperature_k))), holds=False)
 
 
+def sellmeier(b, c_um2):
+    """The index at 589.3 nm by coefficients of Sellmeier's formula."""
+    um2 = (INDEX_NM * 1e-3) ** 2
+    return float(np.sqrt(1 + np.sum(np.asarray(b, float) * um2 / (um2 - np.asarray(c_um2, float)))))
+
+
 def described_index(index, place):
     """The index at 589.3 nm by a dispersion formula or a table."""
-    um2 = (INDEX_NM * 1e-3) ** 2
     if "cauchy" in index:
-        return index["cauchy"]["a"] + index["cauchy"]["b_um2"] / um2
+        return index["cauchy"]["a"] + index["cauchy"]["b_um2"] / (INDEX_NM * 1e-3) ** 2
     if "sellmeier" in index:
-        terms = zip(index["sellmeier"]["b"], index["sellmeier"]["c_um2"])
-        return float(np.sqrt(1 + sum(b * um2 / (um2 - c) for b, c in terms)))
+        return sellmeier(index["sellmeier"]["b"], index["sellmeier"]["c_um2"])
     if "table" in index:
         return float(np.interp(INDEX_NM, index["table"]["wavelengths_nm"], index["table"]["n"]))
     raise InputError(place, f"index {sorted(index)} is not understood by the peers", "give a number, cauchy, sellmeier or a table")
