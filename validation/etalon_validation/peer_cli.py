@@ -1,28 +1,23 @@
-"""Subcommands around other renderers: one run of Mitsuba, and the convergence session against it."""
+"""Subcommands around other renderers: one run of each, the convergence session against Mitsuba, the session against all."""
 
 import argparse
 from pathlib import Path
 
 from .errors import InputError
+from .peer_driver import DRIVERS, drivers, size
 
 # Wall seconds of the session, references apart.
 BUDGET_S = 180.0
 INTEGRATORS = "path,bdpt,mlt"
+# Of the session against all peers: wall seconds on an idle machine, converged pictures included.
+RACE_BUDGET_S = 1500.0
+RACE_INTEGRATORS = "path,bdpt,mlt,auto"
 
 
 def add_peer_commands(commands):
     """Adds them to the subcommands of the program."""
-    run = commands.add_parser("mitsuba-render", help="render a diffuse scene once with Mitsuba 3, in its own environment")
-    run.add_argument("--case", type=Path, required=True, help="case folder with scene.json")
-    run.add_argument("--spectra", type=Path, default=Path("spectra"), help="folder of spectral tables")
-    run.add_argument("--variant", default="scalar_spectral")
-    run.add_argument("--resolution", type=size, required=True, metavar="WxH")
-    run.add_argument("--spp", type=int, required=True)
-    run.add_argument("--seed", type=int, default=0)
-    run.add_argument("--threads", type=int, help="all processors if left out")
-    run.add_argument("-o", "--output", type=Path, required=True, help="EXR to write")
-    run.add_argument("--times", type=Path, required=True, help="JSON to write: seconds of rendering")
-    run.set_defaults(run=run_mitsuba)
+    for driver in drivers():
+        driver.add_command(commands)
 
     study = commands.add_parser("peers-converge", help="error against run time beside Mitsuba 3, in one paired session")
     study.add_argument("--case", type=Path, required=True, help="case folder with scene.json")
@@ -35,20 +30,20 @@ def add_peer_commands(commands):
     study.add_argument("--budget", type=float, default=BUDGET_S, help=f"wall seconds of all runs together; default {BUDGET_S:g}")
     study.set_defaults(run=run_study)
 
-
-def size(text):
-    """WIDTHxHEIGHT as two whole numbers."""
-    width, _, height = text.partition("x")
-    if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
-        raise argparse.ArgumentTypeError(f"{text} is no size; give width and height as in 128x128")
-    return int(width), int(height)
-
-
-def run_mitsuba(chosen):
-    """One picture and its seconds."""
-    from .peer_mitsuba import render_to_file
-
-    render_to_file(chosen.case, chosen.spectra, chosen.resolution, chosen.variant, chosen.spp, chosen.seed, chosen.threads, chosen.output, chosen.times)
+    race = commands.add_parser("peers-performance", help="CPU seconds at equal error beside every peer that is there, in one paired session")
+    race.add_argument("--cases", type=Path, nargs="+", required=True, help="case folders with scene.json")
+    race.add_argument("--folder", type=Path, required=True, help="folder to write; converged pictures are kept in it")
+    race.add_argument("--program", type=Path, default=Path("target/release/etalon"), help="the program etalon")
+    race.add_argument("--program-version", dest="version", default="", help="its version, for reports")
+    race.add_argument("--target", type=Path, default=Path("target"), help="folder of the peers' environments")
+    race.add_argument("--spectra", type=Path, default=Path("spectra"))
+    race.add_argument("--integrators", default=RACE_INTEGRATORS)
+    race.add_argument("--peers", help=f"names of peers, of {','.join(DRIVERS)}; all if left out")
+    race.add_argument("--resolution", type=size, metavar="WxH", help="of every scene; 128 pixels along the longer side if left out")
+    race.add_argument("--threads", type=int, required=True, help="of every run on all sides")
+    race.add_argument("--budget", type=float, default=RACE_BUDGET_S, help=f"seconds of all of it on an idle machine; default {RACE_BUDGET_S:g}")
+    race.add_argument("--said", default="", help=argparse.SUPPRESS)
+    race.set_defaults(run=run_race)
 
 
 def run_study(chosen):
@@ -58,4 +53,31 @@ def run_study(chosen):
     if not chosen.budget > 0:
         raise InputError("--budget", f"is {chosen.budget:g}", "give wall seconds above zero")
     for line in study(chosen):
+        print(line)
+
+
+def run_race(chosen):
+    """Tables, plots and performance.html into the folder, and what they say."""
+    from .peer_race import race, ready_peers
+    from .peer_race_report import lines, write_all
+
+    if not chosen.budget > 0:
+        raise InputError("--budget", f"is {chosen.budget:g}", "give wall seconds above zero")
+    unknown = [name for name in (chosen.peers or "").split(",") if name and name not in DRIVERS]
+    if unknown:
+        raise InputError("--peers", f"knows no {', '.join(unknown)}", f"name some of {', '.join(DRIVERS)}")
+    notes = []
+    peers = ready_peers(chosen, notes)
+    for note in notes:
+        print(f"note: {note}", flush=True)
+
+    def say(line):
+        print(line, flush=True)
+
+    results = []
+    for case in chosen.cases:
+        results.append(race(chosen, case, peers, say))
+        # After each scene: a session that is cut short leaves what it has found.
+        report = write_all(chosen, results, peers, notes)
+    for line in lines(report):
         print(line)

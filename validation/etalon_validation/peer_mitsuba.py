@@ -13,22 +13,74 @@ compilation, which a first sample per pixel that is thrown away takes.
 """
 
 import json
+import subprocess
 import tempfile
 import time
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio
 
-from .errors import InputError, meaning, read_json
-from .peer_scene import EFFICACY, Spectra, mitsuba_scene
+from .errors import InputError
+from .peer_driver import HARNESS_ENVIRONMENT, Ready, add_render_command
+from .peer_mitsuba_scene import LIGHT, PATH, mitsuba_scene
+from .peer_scene import EFFICACY, Spectra, read_scene
+from .peer_write import write_xyz
 
 SCALAR = "scalar_spectral"
 LLVM = "llvm_ad_spectral"
+NAME, COMMAND = "mitsuba", "mitsuba-render"
+# Variant and integrator by what `--integrator` takes.
+KINDS = {"scalar-path": (SCALAR, PATH), "llvm-path": (LLVM, PATH), "llvm-ptracer": (LLVM, LIGHT)}
+INTEGRATORS = tuple(KINDS)
+# All three estimate one picture: the most efficient of those that can makes the reference.
+REFERENCE = dict.fromkeys(INTEGRATORS, ("llvm-path", "llvm-ptracer", "scalar-path"))
+# The folder of its environment below `target`, and what a library of LLVM is tried on.
+ENVIRONMENT, TRIAL_SIZE = "python-peers", "16x16"
 # Samples of all pixels that a compiled kernel holds in memory at once.
 MOST_LANES = 1 << 22
-# X, Y, Z are their own primaries, with equal energy white (OpenEXR's advice for CIE XYZ).
-XYZ_CHROMATICITIES = (1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3)
+
+
+def add_command(commands):
+    """Adds `mitsuba-render`."""
+    add_render_command(commands, COMMAND, "Mitsuba 3", INTEGRATORS, lambda chosen: render_to_file(
+        chosen.case, chosen.spectra, chosen.resolution, chosen.integrator, chosen.spp, chosen.seed, chosen.threads, chosen.output, chosen.times,
+    ))
+
+
+def ready(target, spectra):
+    """The environment below `target` and an LLVM that works; both are looked for, neither is installed here."""
+    from .peer_llvm import LIBRARY, usable
+
+    python = Path(target) / ENVIRONMENT / "bin" / "python"
+    version = installed_version(python)
+    words, environment = (str(python), "-m", "etalon_validation"), dict(HARNESS_ENVIRONMENT)
+    case = Path(spectra).parent / "reference" / "cornell"
+
+    def trial(output, times):
+        return [*words, COMMAND, "--case", case, "--spectra", spectra, "--integrator", "llvm-path", "--resolution", TRIAL_SIZE, "--spp", 1, "-o", output, "--times", times]
+
+    library, note = usable(trial, environment)
+    if library is not None:
+        return Ready(words, environment | {LIBRARY: str(library)}, f"Mitsuba {version}", (note,))
+    unable = {name: note for name, (variant, _) in KINDS.items() if variant == LLVM}
+    return Ready(words, environment, f"Mitsuba {version}", (note,), unable)
+
+
+def installed_version(python):
+    """Mitsuba's version in an environment."""
+    asked = "from importlib import metadata; print(metadata.version('mitsuba'))"
+    try:
+        return subprocess.run([str(python), "-c", asked], capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        raise InputError("mitsuba", f"is not installed in {python.parent.parent}", "run etalon validate peers, or install validation/requirements-peers.txt there") from None
+
+
+def refuses(integrator, scene):
+    """Why an integrator cannot render a scene; `None` where it can."""
+    if KINDS[integrator][1] == LIGHT and not scene.is_diffuse:
+        return "light tracing to a pinhole sees nothing in mirrors and through glass"
+    return None
 
 
 def load_mitsuba(variant, threads=None):
@@ -44,32 +96,15 @@ def load_mitsuba(variant, threads=None):
     return mi
 
 
-def load_scene(mi, scene, spectra, place):
-    """The scene as Mitsuba holds it."""
+def load_scene(mi, scene, integrator=PATH):
+    """A `Scene` as Mitsuba holds it."""
     with tempfile.TemporaryDirectory() as folder:
-        with meaning(place, "correct the scene"):
-            described = mitsuba_scene(mi, scene, spectra, folder, place)
-        return mi.load_dict(described)
+        return mi.load_dict(mitsuba_scene(mi, scene, folder, integrator))
 
 
 def render_xyz(mi, scene, spp, seed):
     """Absolute XYZ (height, width, 3), Y in cd/m2."""
     return EFFICACY / mi.MI_CIE_Y_NORMALIZATION * np.array(mi.render(scene, spp=spp, seed=seed), float)
-
-
-def write_xyz(path, xyz, stderr=None):
-    """Writes XYZ in cd/m2, and its standard errors where they are known, as an EXR."""
-    layers = [xyz] if stderr is None else [xyz, stderr]
-    pixels = np.ascontiguousarray(np.concatenate(layers, axis=-1), np.float32)
-    height, width, channels = pixels.shape
-    spec = oiio.ImageSpec(width, height, channels, "float")
-    spec.channelnames = tuple("XYZ") + (() if stderr is None else ("stderr.X", "stderr.Y", "stderr.Z"))
-    spec.attribute("whiteLuminance", 1.0)
-    spec.attribute("chromaticities", "float[8]", XYZ_CHROMATICITIES)
-    file = oiio.ImageOutput.create(str(path))
-    if file is None or not file.open(str(path), spec) or not file.write_image(pixels):
-        raise InputError(path, "cannot be written", "check the folder and its permissions")
-    file.close()
 
 
 def passes(spp, pixels, is_compiled):
@@ -78,14 +113,12 @@ def passes(spp, pixels, is_compiled):
     return [most] * (spp // most) + ([spp % most] if spp % most else [])
 
 
-def render_to_file(case, spectra_folder, resolution, variant, spp, seed, threads, output, times):
+def render_to_file(case, spectra_folder, resolution, integrator, spp, seed, threads, output, times):
     """One run: the picture into `output`, and processor and wall seconds of its rendering as JSON into `times`."""
-    place = Path(case) / "scene.json"
-    described = read_json(place, "give a case folder with the diffuse scene")
-    with meaning(place, "give the scene a camera"):
-        described["camera"]["resolution"] = list(resolution)
+    variant, kind = KINDS[integrator]
+    described = read_scene(Path(case) / "scene.json", Spectra(spectra_folder), resolution)
     mi = load_mitsuba(variant, threads)
-    scene = load_scene(mi, described, Spectra(spectra_folder), place)
+    scene = load_scene(mi, described, kind)
     parts = passes(spp, resolution[0] * resolution[1], variant == LLVM)
     if variant == LLVM:
         render_xyz(mi, scene, 1, seed)
@@ -93,6 +126,6 @@ def render_to_file(case, spectra_folder, resolution, variant, spp, seed, threads
     # Each pass has a seed of its own: runs use fewer than 1000 passes.
     pictures = (count * render_xyz(mi, scene, count, 1000 * seed + index) for index, count in enumerate(parts))
     xyz = sum(pictures) / spp
-    taken = {"render": {"cpu_s": time.process_time() - cpu, "wall_s": time.monotonic() - wall}}
+    taken = {"render": {"cpu_s": time.process_time() - cpu, "wall_s": time.monotonic() - wall}, "version": f"Mitsuba {metadata.version('mitsuba')}"}
     write_xyz(output, xyz)
     Path(times).write_text(json.dumps(taken) + "\n", encoding="utf-8")

@@ -12,6 +12,7 @@ from .peer_mitsuba import LLVM, SCALAR
 
 # What variants are called in plots and tables.
 SHORT = {SCALAR: "mitsuba scalar", LLVM: "mitsuba llvm"}
+PREFIX = {SCALAR: "scalar", LLVM: "llvm"}
 
 
 @dataclass(frozen=True)
@@ -28,14 +29,14 @@ class Contestant:
     is_foreign: bool = False
 
 
-def etalon(program, scene, integrator, resolution, threads):
-    """An integrator of Etalon."""
+def etalon(program, scene, integrator, resolution, threads, name=None):
+    """An integrator of Etalon, by its own name or another."""
 
     def words(spp, seed, output, times):
         size = "{}x{}".format(*resolution)
         return [program, "render", scene, "-o", output, "--integrator", integrator, "--spp", spp, "--seed", seed, "--resolution", size, "--threads", threads, "--report", times]
 
-    return Contestant(integrator, words, etalon_stages)
+    return Contestant(name or integrator, words, etalon_stages)
 
 
 def etalon_stages(report):
@@ -50,7 +51,7 @@ def mitsuba(python, case, spectra, resolution, threads, variant, library=None):
     def words(spp, seed, output, times):
         size = "{}x{}".format(*resolution)
         return [
-            python, "-m", "etalon_validation", "mitsuba-render", "--case", case, "--spectra", spectra, "--resolution", size, "--variant", variant,
+            python, "-m", "etalon_validation", "mitsuba-render", "--case", case, "--spectra", spectra, "--resolution", size, "--integrator", f"{PREFIX[variant]}-path",
             "--spp", spp, "--seed", seed, "--threads", threads, "-o", output, "--times", times,
         ]
 
@@ -58,6 +59,19 @@ def mitsuba(python, case, spectra, resolution, threads, variant, library=None):
     if library is not None:
         environment[LIBRARY] = str(library)
     return Contestant(SHORT[variant], words, lambda report: report, environment, is_foreign=True)
+
+
+def peer(driver, ready, integrator, case, spectra, resolution, threads):
+    """An integrator of a peer by its driver and what `ready` gave."""
+
+    def words(spp, seed, output, times):
+        size = "{}x{}".format(*resolution)
+        return [
+            *ready.words, driver.COMMAND, "--case", case, "--spectra", spectra, "--resolution", size, "--integrator", integrator,
+            "--spp", spp, "--seed", seed, "--threads", threads, "-o", output, "--times", times,
+        ]
+
+    return Contestant(f"{driver.NAME} {integrator}", words, lambda report: report, ready.environment, is_foreign=True)
 
 
 def run(contestant, point, repeat, spp, seed, output):

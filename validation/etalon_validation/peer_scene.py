@@ -1,137 +1,144 @@
-"""An all-diffuse Etalon scene in Mitsuba's terms.
+"""A scene as every peer can be told it: shapes, materials and lamps in plain tables.
 
-Understood are quads with Lambertian materials, lamps with a tabulated spectrum,
-and a pinhole camera. Anything else is refused, never approximated.
+It is read from a scene file once, by one function, so that all renderers are
+given the same scene and what they make of it is all that differs. What no peer
+understands is refused, never approximated; `peer_variant.py` says what is
+changed before, in the open. Everything is plain data: `dataclasses.asdict` gives
+what JSON can hold. Lengths are in the scene's unit.
 """
 
-import csv
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import InputError, need
+from .errors import InputError, meaning, need, read_json
+from .peer_shapes import Cylinder, Disk, Faces, Sphere, shape_of
+from .peer_spectra import EFFICACY, FIRST_NM, LAST_NM, Spectra, Table
 
-# Luminous efficacy of monochromatic light at 540 THz, lm/W.
-EFFICACY = 683.0
-FIRST_NM, LAST_NM = 360.0, 830.0
+__all__ = ["EFFICACY", "FIRST_NM", "LAST_NM", "Camera", "Cylinder", "Diffuse", "Disk", "Faces", "Glass", "Metal", "Mirror", "Scene", "Spectra", "Sphere", "Table", "Thing", "read_scene", "scene_of"]
+
 METERS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 
 
-def read_columns(path):
-    """The numbers of a spectral table (n, columns), comments and header left out."""
-    path = Path(path)
-    try:
-        lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
-        return np.array([[float(cell) for cell in row] for row in csv.reader(lines[1:])])
-    except OSError as error:
-        raise InputError(path, f"cannot be read ({error.strerror})", "name a table of the spectra folder") from None
-    except ValueError as error:
-        raise InputError(path, f"not a table of numbers ({error})", "correct it") from None
+@dataclass(frozen=True)
+class Diffuse:
+    """Lambertian; black from behind unless it has two sides."""
+
+    reflectance: Table
+    two_sided: bool
 
 
-class Spectra:
-    """Spectral tables by name, as the scene file refers to them."""
+@dataclass(frozen=True)
+class Mirror:
+    """The same reflectance at every angle; black from behind unless it has two sides."""
 
-    def __init__(self, folder):
-        self.folder = Path(folder)
-        self.observer = read_columns(self.folder / "observer" / "cie-1931-2deg.csv")
-
-    def table(self, spectrum, place):
-        """Wavelengths and values of a number, a name, or a written table."""
-        if isinstance(spectrum, (int, float)):
-            return np.array([FIRST_NM, LAST_NM]), np.full(2, float(spectrum))
-        if isinstance(spectrum, dict) and "table" in spectrum:
-            return np.array(spectrum["table"]["wavelengths_nm"], float), np.array(spectrum["table"]["values"], float)
-        found = sorted(self.folder.glob(f"*/{spectrum}.csv")) if isinstance(spectrum, str) else []
-        if not found or found[0].parent.name == "line":
-            raise InputError(place, f"spectrum {spectrum!r} is not understood by the peer", "give a number, a table or a name of the spectra folder")
-        columns = read_columns(found[0])
-        return columns[:, 0], columns[:, 1]
-
-    def reflectance(self, spectrum, place):
-        """Mitsuba's description of a reflectance, whose end values go on."""
-        nm, values = self.table(spectrum, place)
-        return irregular(np.concatenate([[FIRST_NM - 1], nm, [LAST_NM + 1]]), np.concatenate([values[:1], values, values[-1:]]))
-
-    def luminance(self, nm, values):
-        """Luminance in cd/m2 of spectral radiance in W sr^-1 m^-2 nm^-1, on the observer's 1 nm grid."""
-        grid = self.observer[:, 0]
-        return EFFICACY * float(np.trapezoid(np.interp(grid, nm, values, left=0, right=0) * self.observer[:, 2], grid))
-
-    def emission(self, emission, area_m2, place):
-        """Mitsuba's description of a lamp's spectral radiance, absolute."""
-        nm, values = self.table(need(emission, "spectrum", place), place)
-        level = need(emission, "level", place)
-        if "spectral_radiance_factor" in level:
-            factor = level["spectral_radiance_factor"]
-        elif "luminance_cd_m2" in level:
-            factor = level["luminance_cd_m2"] / self.luminance(nm, values)
-        elif "flux_lm" in level:
-            factor = level["flux_lm"] / (np.pi * area_m2) / self.luminance(nm, values)
-        else:
-            raise InputError(place, f"level {sorted(level)} is not understood by the peer", "give luminance_cd_m2, flux_lm or spectral_radiance_factor")
-        if emission.get("two_sided"):
-            raise InputError(place, "two-sided lamps are not understood by the peer", "use a one-sided lamp")
-        return irregular(nm, values * factor)
+    reflectance: Table
+    two_sided: bool
 
 
-def irregular(nm, values):
-    """A tabulated spectrum, linear between its samples and zero outside."""
-    return {"type": "irregular", "wavelengths": ", ".join(f"{v:.9g}" for v in nm), "values": ", ".join(f"{v:.9g}" for v in values)}
+@dataclass(frozen=True)
+class Metal:
+    """A smooth conductor of index n - ik; black from behind unless it has two sides."""
+
+    n: Table
+    k: Table
+    two_sided: bool
 
 
-def write_quad(path, vertices):
-    """A quad as an ASCII PLY of two triangles, keeping the order of its vertices."""
-    corners = "\n".join(" ".join(f"{value:.9g}" for value in vertex) for vertex in vertices)
-    head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
-    Path(path).write_text(f"{head}{corners}\n3 0 1 2\n3 0 2 3\n")
+@dataclass(frozen=True)
+class Glass:
+    """A smooth dielectric without dispersion and absorption, in vacuum."""
+
+    index: float
 
 
-def shape(entry, materials, spectra, meters, file, place):
-    """One object of the scene as a Mitsuba shape."""
-    quad = need(entry, "shape", place).get("quad")
-    if quad is None or entry.get("transform"):
-        raise InputError(place, f'object "{entry.get("name")}" is no plain quad', "the peer compares quads only")
-    vertices = np.array(quad["vertices"], float)
-    write_quad(file, vertices)
-    material = need(materials, need(entry, "material", place), place)
-    diffuse = material.get("lambertian")
-    if diffuse is None:
-        raise InputError(place, f'material "{entry["material"]}" is not Lambertian', "the peer compares diffuse scenes only")
-    bsdf = {"type": "diffuse", "reflectance": spectra.reflectance(diffuse["reflectance"], place)}
-    if diffuse.get("two_sided", True):
-        bsdf = {"type": "twosided", "nested": bsdf}
-    made = {"type": "ply", "filename": str(file), "face_normals": True, "bsdf": bsdf}
-    if entry.get("emission"):
-        sides = np.cross(vertices[1:3] - vertices[0], vertices[2:4] - vertices[0])
-        area = 0.5 * np.linalg.norm(sides, axis=1).sum() * meters**2
-        made["emitter"] = {"type": "area", "radiance": spectra.emission(entry["emission"], area, place)}
-    return made
+@dataclass(frozen=True)
+class Thing:
+    """A surface. `radiance` in W sr^-1 m^-2 nm^-1 leaves its front evenly in all directions; `None`: no lamp."""
+
+    name: str
+    shape: Faces | Sphere | Cylinder | Disk
+    material: Diffuse | Mirror | Metal | Glass
+    radiance: Table | None = None
 
 
-def mitsuba_scene(mi, scene, spectra, folder, place):
-    """The dictionary that Mitsuba loads; quads are written to `folder`."""
-    camera = need(scene, "camera", place)
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole with square pixels. The picture's right is (target - position) x up; `resolution` is width, height."""
+
+    position: tuple
+    target: tuple
+    up: tuple
+    fov_x_deg: float
+    resolution: tuple
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All that is rendered."""
+
+    name: str
+    meters_per_unit: float
+    things: tuple
+    camera: Camera
+
+    @property
+    def is_diffuse(self):
+        """Whether light meets no mirror, metal or glass."""
+        return all(isinstance(thing.material, Diffuse) for thing in self.things)
+
+
+def read_scene(path, spectra, resolution=None):
+    """The `Scene` of a scene file; `resolution` (width, height) goes before that of the file."""
+    described = read_json(path, "give a case folder with the scene")
+    with meaning(path, "correct the scene"):
+        return scene_of(described, spectra, path, resolution)
+
+
+def scene_of(described, spectra, place, resolution=None):
+    """The `Scene` of a scene file's content."""
+    if described.get("lights"):
+        raise InputError(place, "lights without a surface are not understood by the peers", "use lamps with a surface")
+    spectra = spectra.of_scene(described)
+    meters = METERS[need(described, "length_unit", place)]
+    things = tuple(thing_of(entry, described.get("materials", {}), spectra, meters, place) for entry in need(described, "objects", place))
+    return Scene(described.get("name", ""), meters, things, camera_of(need(described, "camera", place), place, resolution))
+
+
+def thing_of(entry, materials, spectra, meters, place):
+    """One object."""
+    shape = shape_of(need(entry, "shape", place), entry.get("transform") or (), f'{place}: object "{entry.get("name")}"')
+    name = need(entry, "material", place)
+    material = material_of(need(materials, name, place), spectra, f'{place}: material "{name}"')
+    emission = entry.get("emission")
+    radiance = spectra.radiance(emission, shape.area * meters**2, place) if emission else None
+    return Thing(entry.get("name", ""), shape, material, radiance)
+
+
+def material_of(described, spectra, place):
+    """A material of those that every peer has."""
+    (kind, values), *more = described.items()
+    if not more and kind in ("lambertian", "mirror"):
+        made = Diffuse if kind == "lambertian" else Mirror
+        return made(spectra.table(need(values, "reflectance", place), place), values.get("two_sided", True))
+    if not more and not values.get("roughness_alpha"):
+        if kind == "conductor":
+            return Metal(*spectra.metal(need(values, "metal", place), place), values.get("two_sided", True))
+        if kind == "dielectric" and not values.get("outside_index") and not values.get("absorption_per_m"):
+            return Glass(spectra.index(need(values, "index", place), place))
+    raise InputError(place, "is none that every peer has", "use lambertian, mirror, or a smooth conductor or dielectric in vacuum without absorption")
+
+
+def camera_of(camera, place, resolution):
+    """The pinhole."""
     if any(camera.get("principal_point_px", (0, 0))) or camera.get("focus_distance"):
         raise InputError(place, "the peer's camera is a centred pinhole", "leave out principal_point_px and focus_distance")
-    if scene.get("lights"):
-        raise InputError(place, "lights without a surface are not understood by the peer", "use lamps with a surface")
-    width, height = camera["resolution"]
-    target = camera.get("look_at") or (np.array(camera["position"]) + np.array(camera["direction"])).tolist()
-    fov = 2 * np.degrees(np.arctan(camera["sensor_mm"][0] / 2 / camera["focal_length_mm"]))
-    made = {
-        "type": "scene",
-        "integrator": {"type": "path", "max_depth": -1, "rr_depth": 20},
-        "sensor": {
-            "type": "perspective", "fov": float(fov), "fov_axis": "x", "near_clip": 1e-3, "far_clip": 1e6,
-            "to_world": mi.ScalarTransform4f().look_at(origin=camera["position"], target=target, up=camera["up"]),
-            "film": {
-                "type": "hdrfilm", "width": width, "height": height, "pixel_format": "xyz",
-                "component_format": "float32", "rfilter": {"type": "box"},
-            },
-            "sampler": {"type": "independent"},
-        },
-    }
-    for index, entry in enumerate(need(scene, "objects", place)):
-        made[f"object_{index}"] = shape(entry, scene.get("materials", {}), spectra, METERS[scene["length_unit"]], Path(folder) / f"{index}.ply", place)
-    return made
+    position = tuple(map(float, need(camera, "position", place)))
+    target = camera.get("look_at") or (np.array(position) + np.array(need(camera, "direction", place))).tolist()
+    width, height = resolution or need(camera, "resolution", place)
+    across, down = camera["sensor_mm"]
+    # A pixel may be off square by the rounding of a stated sensor, not by more.
+    if abs(across * height / (down * width) - 1) > 0.01:
+        raise InputError(place, f"has a sensor of {across:g} x {down:g} mm, which {width}x{height} pixels do not fill with squares", "give a resolution of the sensor's shape")
+    fov = 2 * np.degrees(np.arctan(across / 2 / camera["focal_length_mm"]))
+    return Camera(position, tuple(map(float, target)), tuple(map(float, camera["up"])), float(fov), (int(width), int(height)))

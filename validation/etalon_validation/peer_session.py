@@ -34,7 +34,7 @@ REFERENCE_LEAD = 16
 class Cost:
     """What a first run of a series told: seconds before and after rendering, and per sample of each pixel."""
 
-    load_wall_s: float
+    load_s: float
     cpu_s_per_spp: float
 
 
@@ -46,26 +46,38 @@ class Schedule:
     expected_s: float
 
 
-def costs(contestants):
-    """The `Cost` of each series by a run that is thrown away."""
+def costs(contestants, drop=None):
+    """The `Cost` of each series by a run that is thrown away; `drop(contestant, error)` may take what fails."""
     found = {}
     for contestant in contestants:
-        with tempfile.TemporaryDirectory() as folder:
-            tried = run(contestant, 0, 0, TRIAL_SPP, TRIAL_SEED, Path(folder) / "trial.exr")
-        if not tried.render_cpu_s or tried.render_cpu_s <= 0:
-            raise InputError(contestant.name, "tells no seconds of rendering", "use a build of this version")
-        found[contestant.name] = Cost(max(tried.wall_s - tried.render_wall_s, 0.0), tried.render_cpu_s / TRIAL_SPP)
+        try:
+            found[contestant.name] = cost_of(contestant)
+        except InputError as error:
+            if drop is None:
+                raise
+            drop(contestant, error)
     return found
 
 
-def schedule(found, budget_s, threads, most_spp):
+def cost_of(contestant):
+    """The `Cost` of one series."""
+    with tempfile.TemporaryDirectory() as folder:
+        tried = run(contestant, 0, 0, TRIAL_SPP, TRIAL_SEED, Path(folder) / "trial.exr")
+    if not tried.render_cpu_s or tried.render_cpu_s <= 0:
+        raise InputError(contestant.name, "tells no seconds of rendering", "use a build of this version")
+    # Processor seconds, which hardly grow with what else the machine does; most of loading is on one thread.
+    return Cost(max(tried.cpu_s - tried.render_cpu_s, 0.0), tried.render_cpu_s / TRIAL_SPP)
+
+
+def schedule(found, budget_s, threads, most_spp, share=1.0):
     """The `Schedule` that fills a budget of wall seconds: as many points as it has room for, at most `POINTS`.
 
-    `most_spp` bounds the samples of Etalon's first series, `None` those of none.
+    `most_spp` bounds the samples of Etalon's first series, `None` those of none. The seconds are
+    this share of what the user gave as a budget.
     """
     series, slowest = len(found), max(cost.cpu_s_per_spp for cost in found.values())
     first = next(iter(found.values())).cpu_s_per_spp
-    load_s = sum(cost.load_wall_s for cost in found.values())
+    load_s = sum(cost.load_s for cost in found.values())
     for points in range(POINTS, FEWEST_POINTS - 1, -1):
         doublings = 2**points - 1
         left_s = budget_s - REPEATS * points * load_s
@@ -79,13 +91,16 @@ def schedule(found, budget_s, threads, most_spp):
             return Schedule({name: tuple(spp * 2**point for point in range(points)) for name, spp in base.items()}, REPEATS * (points * load_s + rendering / threads))
     least = REPEATS * (FEWEST_POINTS * load_s + series * (2**FEWEST_POINTS - 1) * slowest / threads)
     raise InputError(
-        f"--budget {budget_s:g}", f"has no room for {FEWEST_POINTS} points of {REPEATS} repeats of {series} series",
-        f"give at least {np.ceil(least):g} s" + ("" if most_spp is None else f", and a reference of at least {int(np.ceil(REFERENCE_LEAD * slowest / first * 2 ** (FEWEST_POINTS - 1)))} samples per pixel as --spp"),
+        f"--budget {budget_s / share:g}", f"has no room for {FEWEST_POINTS} points of {REPEATS} repeats of {series} series",
+        f"give at least {np.ceil(least / share):g} s" + ("" if most_spp is None else f", and a reference of at least {int(np.ceil(REFERENCE_LEAD * slowest / first * 2 ** (FEWEST_POINTS - 1)))} samples per pixel as --spp"),
     )
 
 
-def rounds(contestants, plan, folder, taken_seed=0, say=print):
-    """Every run of the schedule, in turns; pictures go into a folder for each series. `taken_seed` is that of our reference."""
+def rounds(contestants, plan, folder, taken_seed=0, say=print, drop=None):
+    """Every run of the schedule, in turns; pictures go into a folder for each series. `taken_seed` is that of our reference.
+
+    A series that fails ends the session, or is left out where `drop(contestant, error)` takes it.
+    """
     runs = {contestant.name: [] for contestant in contestants}
     points = len(next(iter(plan.spp.values())))
     is_free = not FIRST_SEED <= taken_seed < FIRST_SEED + REPEATS * points
@@ -99,7 +114,15 @@ def rounds(contestants, plan, folder, taken_seed=0, say=print):
                 place.mkdir(parents=True, exist_ok=True)
                 spp = plan.spp[contestant.name][point]
                 output = place / f"{spp}spp-{repeat + 1}.exr"
-                runs[contestant.name].append(run(contestant, point, repeat, spp, first_seed + repeat * points + point, output))
+                if contestant.name not in runs:
+                    continue
+                try:
+                    runs[contestant.name].append(run(contestant, point, repeat, spp, first_seed + repeat * points + point, output))
+                except InputError as error:
+                    if drop is None:
+                        raise
+                    drop(contestant, error)
+                    del runs[contestant.name]
     return {name: tuple(sorted(found, key=lambda entry: (entry.point, entry.repeat))) for name, found in runs.items()}
 
 

@@ -108,8 +108,8 @@ def judge(chosen, contestants, runs, folder):
 
 
 def rendering_only(series):
-    """The series with the seconds of rendering in place of those of the whole process."""
-    runs = (replace(entry, cpu_s=entry.render_cpu_s, load_cpu_s=None, render_cpu_s=None) for entry in series.runs)
+    """The series with the seconds of rendering in place of those of the whole process; pilot and bootstrap are work for the picture."""
+    runs = (replace(entry, cpu_s=entry.render_cpu_s + (entry.pilot_cpu_s or 0.0) + (entry.bootstrap_cpu_s or 0.0), load_cpu_s=None, render_cpu_s=None) for entry in series.runs)
     return replace(series, runs=tuple(runs))
 
 

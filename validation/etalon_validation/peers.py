@@ -14,8 +14,9 @@ import numpy as np
 from scipy import stats
 
 from .errors import InputError, meaning, read_json
-from .peer_mitsuba import SCALAR, load_mitsuba, load_scene, render_xyz, write_xyz
-from .peer_scene import EFFICACY, Spectra
+from .peer_mitsuba import SCALAR, load_mitsuba, load_scene, render_xyz
+from .peer_scene import EFFICACY, Spectra, scene_of
+from .peer_write import write_xyz
 from .render import read_render
 
 BLOCK = 8
@@ -40,11 +41,11 @@ def blocks(image):
     return cut.reshape(height, BLOCK, width, BLOCK, -1).mean(axis=(1, 3))
 
 
-def run_mitsuba(scene, spectra, spp, threads, place):
+def run_mitsuba(scene, spp, threads):
     """Block means (runs, rows, columns, 3) of absolute XYZ, the picture's mean and standard error (height, width, 3), the run time, and the normalisation undone."""
     mi = load_mitsuba(SCALAR, threads)
     start = time.monotonic()
-    loaded = load_scene(mi, scene, spectra, place)
+    loaded = load_scene(mi, scene)
     means, total, squares = [], 0, 0
     for seed in range(RUNS):
         xyz = render_xyz(mi, loaded, max(1, spp // RUNS), seed)
@@ -120,8 +121,9 @@ def compare_with_mitsuba(case, spectra_folder, render_path, output, spp, threads
     width, height = render.size
     if width * resolution[1] != height * resolution[0]:
         raise InputError(render_path, f"has {render.size} pixels, the scene {resolution}", "render the scene at its own shape")
-    scene["camera"]["resolution"] = [width, height]
-    peers, picture, seconds, normalisation = run_mitsuba(scene, Spectra(spectra_folder), spp, threads, place)
+    with meaning(place, "correct the scene"):
+        described = scene_of(scene, Spectra(spectra_folder), place, (width, height))
+    peers, picture, seconds, normalisation = run_mitsuba(described, spp, threads)
     our_error = np.sqrt(blocks(render.stderr**2)) / BLOCK
     result = judge(blocks(render.xyz), our_error, peers)
     head = {

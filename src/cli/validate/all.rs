@@ -138,7 +138,7 @@ fn run_apart(words: &[OsString]) -> anyhow::Result<Option<String>> {
 }
 
 /// The command as it was given, quoted where a shell needs it.
-fn command_line() -> String {
+pub(super) fn command_line() -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,".contains(c);
     let quoted = |word: OsString| match word.to_string_lossy().into_owned() {
         word if !word.is_empty() && word.chars().all(plain) => word,

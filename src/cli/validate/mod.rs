@@ -6,6 +6,7 @@ mod cases;
 mod growth;
 mod one;
 mod peers;
+mod performance;
 mod photographs;
 mod self_test;
 
@@ -40,8 +41,20 @@ pub struct Arguments {
     /// Score a photograph even where its registration fails, and mark every figure
     #[arg(long)]
     force_registration: bool,
+    /// With peers: CPU seconds at equal error beside every peer that is there, in one paired session
+    /// over several scenes, instead of the comparison with Mitsuba on one
+    #[arg(long)]
+    performance: bool,
+    /// With --performance: reference scenes that every peer can be given [default:
+    /// cornell,schoedl-2007,slit-room]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', requires = "performance")]
+    scenes: Vec<String>,
+    /// With --performance: peers, as mitsuba [default: all that are there]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', requires = "performance")]
+    peers: Vec<String>,
     /// With peers: seconds of all runs that show error against run time together, the two converged
-    /// pictures apart [default: 180]; with growth: CPU seconds of all runs [default: 1000]
+    /// pictures apart [default: 180]; with --performance seconds of all of it on an idle machine
+    /// [default: 1500]; with growth: CPU seconds of all runs [default: 1000]
     #[arg(long, value_name = "SECONDS", value_parser = budget)]
     budget: Option<f64>,
     /// With growth: take every point, 10 million triangles and 3840 x 2160 pixels among them
@@ -63,6 +76,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     }
     if arguments.budget.is_some() && arguments.case != peers::NAME {
         return Err(Error::new("--budget goes with peers and growth").hint("leave it out").into());
+    }
+    if arguments.performance {
+        return performance::run(arguments);
     }
     if arguments.case == self_test::NAME {
         return self_test::run(arguments);
