@@ -141,12 +141,18 @@ fn a_budget_belongs_to_the_peers() {
 fn faults_of_a_session_against_peers_end_with_one_line_before_anything_is_run() {
     for (words, saying) in [
         (&["validate", "cornell", "--performance"][..], "--performance goes with peers"),
-        (&["validate", "peers", "--performance", "--spp", "8"], "sets samples, seeds, algorithms and plans itself"),
+        (
+            &["validate", "peers", "--performance", "--spp", "8"],
+            "sets samples, seeds, algorithms and plans itself",
+        ),
         (&["validate", "peers", "--performance", "--integrator", "path"], "sets samples, seeds"),
         (&["validate", "peers", "--performance", "--scenes", "cornel"], "did you mean \"cornell\"?"),
-        (&["validate", "peers", "--performance", "--budget", "-1"], "give a positive number of seconds"),
+        (&["validate", "peers", "--performance", "--budget", "0"], "give a positive number of seconds"),
         (&["validate", "peers", "--scenes", "cornell"], "--performance"),
-        (&["validate", "peers", "--performance", "--peers", "nobody"], "--peers: knows no nobody; name some of mitsuba"),
+        (
+            &["validate", "peers", "--performance", "--peers", "nobody"],
+            "--peers: knows no nobody; name some of mitsuba",
+        ),
     ] {
         let output = etalon(words);
         let said = text(&output.stderr);

@@ -39,7 +39,7 @@ def add_peer_commands(commands):
     race.add_argument("--spectra", type=Path, default=Path("spectra"))
     race.add_argument("--integrators", default=RACE_INTEGRATORS)
     race.add_argument("--peers", help=f"names of peers, of {','.join(DRIVERS)}; all if left out")
-    race.add_argument("--resolution", type=size, metavar="WxH", help="of every scene; 128 pixels along the longer side if left out")
+    race.add_argument("--resolution", type=size, metavar="WxH", help="of every scene; 96 pixels along the longer side if left out")
     race.add_argument("--threads", type=int, required=True, help="of every run on all sides")
     race.add_argument("--budget", type=float, default=RACE_BUDGET_S, help=f"seconds of all of it on an idle machine; default {RACE_BUDGET_S:g}")
     race.add_argument("--said", default="", help=argparse.SUPPRESS)

@@ -28,7 +28,9 @@ OUR_REFERENCE = ("path", "bdpt")
 # Share of the budget that converged pictures get where none is kept.
 REFERENCE_SHARE = 0.35
 # Pixels of the longer side of a picture where no size is given.
-LONGER_SIDE = 128
+LONGER_SIDE = 96
+# How many times the CPU seconds of the smallest point a sample per pixel of the slowest series may take.
+SLACK = 8
 # Modules that decide what a peer is given, besides its own.
 EXPORT = ("spectra", "scene", "shapes", "variant", "write", "converged")
 
@@ -101,7 +103,7 @@ def race(chosen, case, peers, say=print):
     found = costs([entry.contestant for entry in entries], drop)
     entries = [entry for entry in entries if entry.contestant.name in found]
     share = (1 - REFERENCE_SHARE) / len(chosen.cases)
-    plan = schedule(found, chosen.budget * share, chosen.threads, None, share)
+    plan = schedule(found, chosen.budget * share, chosen.threads, None, share, SLACK)
     pictures = references(chosen, folder, size, entries, peers, notes, say)
     running = [entry.contestant for entry in entries if entry.reference in pictures]
     say(f"{name}: {len(running)} series at {len(next(iter(plan.spp.values())))} budgets in turns, about {plan.expected_s:.0f} s on an idle machine")

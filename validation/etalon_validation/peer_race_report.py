@@ -11,12 +11,13 @@ from .converge_report import finite
 from .converge_runs import machine
 from .page import svg, today, write_page
 from .peer_agreement import BLOCK, BLOCK_MARGIN, FALSE_ALARM, MEAN_MARGIN
+from .peer_converged import RUNS
 from .peer_race_plot import draw, write
 from .peer_ratios import headline, is_heavy, ratios
 from .peer_session import REPEATS
 
 STEM = "performance"
-RULE = f"A peer's picture agrees with Etalon's where neither its mean nor any block of {BLOCK} x {BLOCK} pixels differs by more than {MEAN_MARGIN:.0%} and {BLOCK_MARGIN:.0%} beyond noise (16 independent runs of each side, Welch's t, Sidak over all tests, false alarm {FALSE_ALARM:.0%}); it is undecided where the noise itself is larger than that. Levels are absolute on both sides, nothing is fitted."
+RULE = f"A peer's picture agrees with Etalon's where neither its mean nor any block of {BLOCK} x {BLOCK} pixels differs by more than {MEAN_MARGIN:.0%} and {BLOCK_MARGIN:.0%} beyond noise ({RUNS} independent runs of each side, Welch's t, Sidak over all tests, false alarm {FALSE_ALARM:.0%}); it is undecided where the noise itself is larger than that. Levels are absolute on both sides, nothing is fitted."
 MEANING = "Ratios are of efficiencies 1 / (relMSE x CPU seconds), the geometric mean over the budgets, which is the ratio of CPU seconds at equal error; above 1 Etalon needs less. Each renderer is judged against a converged picture of its own, whose noise is subtracted. CPU seconds of rendering leave out start, imports, reading the scene, compilation and writing; Etalon's pilot and bootstrap are in. Trimmed leaves out the 0.1 % of pixels with the largest errors and counts where a series' error is that of a few pixels. Intervals are 95 %, from the scatter of the repeats."
 
 

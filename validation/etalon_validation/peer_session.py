@@ -69,13 +69,14 @@ def cost_of(contestant):
     return Cost(max(tried.cpu_s - tried.render_cpu_s, 0.0), tried.render_cpu_s / TRIAL_SPP)
 
 
-def schedule(found, budget_s, threads, most_spp, share=1.0):
+def schedule(found, budget_s, threads, most_spp, share=1.0, slack=1.0):
     """The `Schedule` that fills a budget of wall seconds: as many points as it has room for, at most `POINTS`.
 
     `most_spp` bounds the samples of Etalon's first series, `None` those of none. The seconds are
-    this share of what the user gave as a budget.
+    this share of what the user gave as a budget. No series goes below one sample per pixel: one may
+    cost `slack` times the smallest point, which begins later then.
     """
-    series, slowest = len(found), max(cost.cpu_s_per_spp for cost in found.values())
+    series, slowest = len(found), max(cost.cpu_s_per_spp for cost in found.values()) / slack
     first = next(iter(found.values())).cpu_s_per_spp
     load_s = sum(cost.load_s for cost in found.values())
     for points in range(POINTS, FEWEST_POINTS - 1, -1):

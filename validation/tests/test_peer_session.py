@@ -39,6 +39,15 @@ class Schedules(unittest.TestCase):
             self.assertAlmostEqual(plan.expected_s, by_hand)
             self.assertLessEqual(plan.expected_s, budget)
 
+    def test_a_slow_series_may_begin_later_and_the_others_keep_their_points(self):
+        costs = self.COSTS | {"slow": Cost(0.1, 3.0)}
+        with self.assertRaisesRegex(InputError, "has no room"):
+            schedule(costs, 100, 2, None)
+        plan = schedule(costs, 100, 2, None, slack=8)
+        self.assertEqual(plan.spp["slow"][:3], (1, 2, 4))
+        seconds = plan.spp["path"][0] * 0.03
+        self.assertTrue(3.0 / 8 <= seconds < 3.0, seconds)
+
     def test_the_reference_bounds_the_last_point(self):
         self.assertLessEqual(schedule(self.COSTS, 1000, 2, 64).spp["path"][-1], 64)
 

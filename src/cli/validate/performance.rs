@@ -32,10 +32,9 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let cases = cases(&arguments.scenes, &root)?;
     arguments.effort.start_threads()?;
     // One that cannot be made leaves Mitsuba out and nobody else.
-    if arguments.peers.is_empty() || arguments.peers.iter().any(|name| name == MITSUBA) {
-        if let Err(error) = Environment::prepare(&PEERS) {
-            eprintln!("note: {error}");
-        }
+    let is_wanted = arguments.peers.is_empty() || arguments.peers.iter().any(|name| name == MITSUBA);
+    if is_wanted && let Err(error) = Environment::prepare(&PEERS) {
+        eprintln!("note: {error}");
     }
     let output = folder(arguments);
     let mut words: Vec<OsString> = vec!["--cases".into()];
