@@ -1,7 +1,9 @@
 //! What a picture file says about itself, as one JSON text beside the standard attributes.
 
 use crate::camera::{CameraRecord, CellErrors, Crop, Film, PictureError};
-use crate::integrator::{Budget, Cost, End, Integrator, Memory, Times, Truncation, USUAL_TARGETS, cpu_seconds};
+use crate::integrator::{
+    Budget, Cost, End, Integrator, Memory, Times, Truncation, USUAL_TARGETS, cpu_seconds,
+};
 use crate::metropolis::Outcome;
 use crate::pilot::Report;
 use crate::replay::SampleName;
