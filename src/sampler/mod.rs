@@ -87,8 +87,7 @@ impl Sampler {
     /// Two numbers in [0, 1) for a decision at a bounce.
     #[inline]
     pub fn pair(&self, stream: Stream, bounce: u32) -> [f32; 2] {
-        let name = u64::from(bounce) * u64::from(STREAMS) + stream as u64;
-        owen_sobol_2d(self.index, self.index_bits, mix(self.key ^ name))
+        owen_sobol_2d(self.index, self.index_bits, self.key_of(stream, bounce))
     }
 
     /// One number in [0, 1) with 48 bits, for a choice among things of very unequal weight.
@@ -101,7 +100,12 @@ impl Sampler {
     /// One number in [0, 1) for a decision at a bounce.
     #[inline]
     pub fn single(&self, stream: Stream, bounce: u32) -> f32 {
-        self.pair(stream, bounce)[0]
+        sobol::owen_sobol_first(self.index, self.index_bits, self.key_of(stream, bounce))
+    }
+
+    #[inline]
+    const fn key_of(&self, stream: Stream, bounce: u32) -> u64 {
+        mix(self.key ^ (bounce as u64 * STREAMS as u64 + stream as u64))
     }
 }
 
