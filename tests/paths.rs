@@ -64,7 +64,7 @@ fn keeping_no_vertices_changes_nothing() {
             scenes += 1;
             let tracer = Tracer::new(&scene, &plan, Eye::Camera(&view.camera));
             let contributions = |sampler: &Sampler, forgetful: bool| {
-                let mut paths = Subpaths { forgetful, ..Subpaths::default() };
+                let mut paths = if forgetful { Subpaths::forgetful() } else { Subpaths::default() };
                 let mut found = Vec::new();
                 tracer.sample([3.0, 2.0], sampler, &mut paths, &mut |path, _| found.push(*path));
                 assert_eq!(paths.eye.is_empty(), forgetful);

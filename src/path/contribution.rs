@@ -87,6 +87,11 @@ pub(super) struct Proposal {
 }
 
 impl Subpaths {
+    /// Those of samples whose contributions are all that is asked for.
+    pub fn forgetful() -> Self {
+        Self { forgetful: true, ..Self::default() }
+    }
+
     /// Forgets both subpaths, but not what became of them.
     pub fn clear(&mut self) {
         self.light.clear();

@@ -80,7 +80,7 @@ pub struct WavelengthSampler {
     stretches: Vec<Stretch>,
     /// For each of [`GUIDES`] equal parts of [0, 1) the piece that its first number falls in: from
     /// there the piece of any number is a few steps away, and no search over all is needed.
-    guides: Vec<u16>,
+    guides: Box<[u16; GUIDES]>,
 }
 
 /// Bits of the numbers that wavelengths are drawn by: those of the sampler's.
@@ -89,7 +89,7 @@ const NUMBER_BITS: u32 = 24;
 /// piece, or of one.
 const GUIDE_BITS: u32 = 11;
 /// Parts of [0, 1) with a guide.
-const GUIDES: u32 = 1 << GUIDE_BITS;
+const GUIDES: usize = 1 << GUIDE_BITS;
 
 /// The numbers, in units of 2^-24, that draw from one piece.
 #[derive(Clone, Copy, Debug)]
@@ -207,7 +207,8 @@ impl WavelengthSampler {
         let end = std::iter::once(Stretch::end());
         let stretches: Vec<Stretch> = pieces.iter().map(Stretch::of).chain(end).collect();
         let piece_of = |u: u32| stretches.partition_point(|stretch| stretch.first <= u) - 1;
-        let guides = (0..GUIDES).map(|part| piece_of(part << (NUMBER_BITS - GUIDE_BITS)) as u16).collect();
+        let guide = |part: usize| piece_of((part as u32) << (NUMBER_BITS - GUIDE_BITS)) as u16;
+        let guides = Box::new(std::array::from_fn(guide));
         Some(Self { pieces, stretches, guides })
     }
 
