@@ -7,30 +7,50 @@ use super::mix;
 /// `index` runs from 0 within a block of 2^`index_bits` points; `key` picks the scramble.
 #[inline]
 pub fn owen_sobol_2d(index: u32, index_bits: u32, key: u64) -> [f32; 2] {
-    let shuffled = shuffle(index, index_bits, key);
-    let x = laine_karras(shuffled, key as u32);
-    let y = laine_karras(second_dimension(shuffled), (key >> 32) as u32);
-    // Turned round together: the first becomes the upper half.
-    let both = ((u64::from(y) << 32) | u64::from(x)).reverse_bits();
-    [to_unit((both >> 32) as u32), to_unit(both as u32)]
+    Member::new(index, index_bits).scrambled(key)
 }
 
-/// The first coordinate of [`owen_sobol_2d`].
-#[inline]
-pub(super) fn owen_sobol_first(index: u32, index_bits: u32, key: u64) -> f32 {
-    to_unit(laine_karras(shuffle(index, index_bits, key), key as u32).reverse_bits())
+/// One of a block's points before any scramble: what all of its scrambles share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Member {
+    reversed_index: u32,
+    /// Bits of the indices of the block.
+    mask: u32,
 }
 
-/// The place of a point in the sequence: shuffled within the block, so that any power-of-two
-/// prefix stays a net.
-///
-/// The shuffle has its own key: with one of the scrambles' the leading bits would cancel.
-/// Scrambled from the highest bit down, so that neighbours end up far apart; from the lowest
-/// up, the halves of one name would fall on the halves of every other.
-#[inline]
-const fn shuffle(index: u32, index_bits: u32, key: u64) -> u32 {
-    let mask = ((1_u64 << index_bits) - 1) as u32;
-    laine_karras(index.reverse_bits(), (mix(key) >> 32) as u32).reverse_bits() & mask
+impl Member {
+    #[inline]
+    pub(super) const fn new(index: u32, index_bits: u32) -> Self {
+        Self { reversed_index: index.reverse_bits(), mask: ((1_u64 << index_bits) - 1) as u32 }
+    }
+
+    /// Both coordinates under the scramble that a key picks.
+    #[inline]
+    pub(super) fn scrambled(self, key: u64) -> [f32; 2] {
+        let shuffled = self.shuffled(key);
+        let x = laine_karras(shuffled, key as u32);
+        let y = laine_karras(second_dimension(shuffled), (key >> 32) as u32);
+        // Turned round together: the first becomes the upper half.
+        let both = ((u64::from(y) << 32) | u64::from(x)).reverse_bits();
+        [to_unit((both >> 32) as u32), to_unit(both as u32)]
+    }
+
+    /// The first of them.
+    #[inline]
+    pub(super) fn first_scrambled(self, key: u64) -> f32 {
+        to_unit(laine_karras(self.shuffled(key), key as u32).reverse_bits())
+    }
+
+    /// The place of the point in the sequence: shuffled within the block, so that any power-of-two
+    /// prefix stays a net.
+    ///
+    /// The shuffle has its own key: with one of the scrambles' the leading bits would cancel.
+    /// Scrambled from the highest bit down, so that neighbours end up far apart; from the lowest
+    /// up, the halves of one name would fall on the halves of every other.
+    #[inline]
+    const fn shuffled(self, key: u64) -> u32 {
+        laine_karras(self.reversed_index, (mix(key) >> 32) as u32).reverse_bits() & self.mask
+    }
 }
 
 /// Radical inverse in Sobol's second dimension, with the bit next to the binary point lowest.
@@ -87,7 +107,8 @@ mod tests {
     fn the_first_coordinate_is_the_same_alone() {
         for key in (0..200).map(mix) {
             for index in 0..16 {
-                assert_eq!(owen_sobol_first(index, 4, key), owen_sobol_2d(index, 4, key)[0]);
+                let member = Member::new(index, 4);
+                assert_eq!(member.first_scrambled(key), member.scrambled(key)[0]);
             }
         }
     }
