@@ -2,8 +2,8 @@
 //!
 //! The estimates are those of the general loop under the same list of strategies: a subpath from
 //! the eye meets lights and asks them, and nothing else is joined. There the next vertex needs the
-//! last one alone, and of densities only that of the direction just drawn; half of the time goes
-//! into what this leaves out. `tests/paths.rs` holds the two loops against each other.
+//! last one alone, and of densities only that of the direction just drawn; copies of vertices and
+//! what joints need are left out. `tests/paths.rs` holds the two loops against each other.
 
 use super::contribution::{Contribution, End};
 use super::eye::{Eye, EyeRay};
