@@ -7,7 +7,10 @@ mod common;
 
 use common::contributions::each_contribution;
 use common::rooms::rooms;
-use etalon::path::{Strategies, Vertex};
+use etalon::integrator::Tracer;
+use etalon::path::{Eye, Strategies, Subpaths, Vertex, needs_no_vertices};
+use etalon::sampler::{BlockSampler, Sampler};
+use etalon::scene::Plan;
 use etalon::spectrum::LANES;
 
 /// Largest relative difference of two computations in 32 bits of the same number.
@@ -44,6 +47,47 @@ fn contributions_are_value_over_density() {
         }
         assert!(compared.len() > 500, "{name}: {} contributions", compared.len());
     }
+}
+
+/// Path tracing that keeps no vertices finds what the general loop finds: the same paths with the
+/// same estimates bit for bit, and weights that differ by the rounding of one measure or another.
+#[test]
+fn keeping_no_vertices_changes_nothing() {
+    let (mut scenes, mut all) = (0, [0; 2]);
+    for (name, scene) in rooms() {
+        let view = scene.view().expect("a camera");
+        for direct_only in [false, true] {
+            let plan = Plan { direct_only, ..Plan::of(&scene, &view.sensor, Strategies::PATH) };
+            if !needs_no_vertices(&plan) {
+                continue;
+            }
+            scenes += 1;
+            let tracer = Tracer::new(&scene, &plan, Eye::Camera(&view.camera));
+            let contributions = |sampler: &Sampler, forgetful: bool| {
+                let mut paths = if forgetful { Subpaths::forgetful() } else { Subpaths::default() };
+                let mut found = Vec::new();
+                tracer.sample([3.0, 2.0], sampler, &mut paths, &mut |path, _| found.push(*path));
+                assert_eq!(paths.eye.is_empty(), forgetful);
+                (found, paths.fates)
+            };
+            let mut seen = [0; 2];
+            for index in 0..1 << 10 {
+                let sampler = BlockSampler::new(5, 0, 0, 1 << 10).sample(index);
+                let (kept, forgotten) = (contributions(&sampler, false), contributions(&sampler, true));
+                assert_eq!(kept.1, forgotten.1, "{name}");
+                assert_eq!(kept.0.len(), forgotten.0.len(), "{name}");
+                for (kept, forgotten) in kept.0.iter().zip(&forgotten.0) {
+                    assert_eq!((kept.s, kept.t), (forgotten.s, forgotten.t), "{name}");
+                    assert_eq!(kept.estimate, forgotten.estimate, "{name}: ({}, {})", kept.s, kept.t);
+                    let (a, b) = (kept.weight, forgotten.weight);
+                    assert!((a - b).abs() <= 4.0 * f32::EPSILON * a, "{name}: weights {a} and {b}");
+                    seen[kept.s] += 1;
+                }
+            }
+            all = [all[0] + seen[0], all[1] + seen[1]];
+        }
+    }
+    assert!(scenes > 1 && all.iter().all(|count| *count > 100), "{scenes} scenes, {all:?} contributions");
 }
 
 /// Lists of strategies as plans have them, and odd ones.

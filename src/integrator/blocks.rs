@@ -201,7 +201,7 @@ fn render_row(tracer: &Tracer<'_>, view: &View, block: &BlockOf, row: usize) -> 
         faults: Faults::default(),
         fates: BothFates::default(),
     };
-    let mut paths = Subpaths::default();
+    let mut paths = Subpaths::forgetful();
     for (column, own) in result.own.chunks_exact_mut(channels).enumerate() {
         let pixel = row as u64 * u64::from(width) + column as u64;
         let numbers = BlockSampler::new(block.seed, pixel, block.number, block.size);

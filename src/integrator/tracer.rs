@@ -3,7 +3,9 @@
 //! Path tracing, light tracing and bidirectional path tracing are this loop with three lists
 //! of strategies; what a list does not need is not walked.
 
-use crate::path::{Contribution, Density, Eye, Joiner, Lanes, Media, Subpaths, Walker};
+use crate::path::{
+    Contribution, Density, Eye, EyeRay, Joiner, Lanes, Media, Subpaths, Walker, needs_no_vertices,
+};
 use crate::sampler::{Sampler, Stream};
 use crate::scene::{Plan, Scene};
 use crate::spectrum::{Spectrum, Wavelengths};
@@ -53,7 +55,9 @@ impl<'a> Tracer<'a> {
                 put(found);
             }
         };
-        if self.plan.lanes_differ {
+        if paths.forgetful && paths.shares.is_none() && needs_no_vertices(self.plan) {
+            self.trace_forgetfully(draw, paths, put);
+        } else if self.plan.lanes_differ {
             self.trace_with::<Lanes>(draw, paths, put);
         } else {
             self.trace_with::<f64>(draw, paths, put);
@@ -133,6 +137,20 @@ impl<'a> Tracer<'a> {
         }
     }
 
+    fn trace_forgetfully(&self, draw: &Draw<'_>, paths: &mut Subpaths, put: &mut impl FnMut(&Contribution)) {
+        let Draw { wavelengths, sampler, .. } = *draw;
+        let walker = Walker { scene: self.scene, plan: self.plan, wavelengths, sampler };
+        paths.clear();
+        let fate = walker.trace_forgetfully((&self.eye, self.media), &self.eye_ray(draw), put);
+        paths.fates.from_eye.note(fate);
+    }
+
+    fn eye_ray(&self, draw: &Draw<'_>) -> EyeRay {
+        let aperture = self.eye.has_aperture() || self.plan.draws_any_lens;
+        let u_lens = if aperture { draw.sampler.pair(Stream::Lens, 0) } else { [0.0; 2] };
+        self.eye.ray(draw.position, u_lens)
+    }
+
     fn walk_from_eye<D: Density>(
         &self,
         joiner: &Joiner<'a, '_, D>,
@@ -142,9 +160,7 @@ impl<'a> Tracer<'a> {
     ) {
         let walker = &joiner.walker;
         let strategies = &self.plan.strategies;
-        let aperture = self.eye.has_aperture() || self.plan.draws_any_lens;
-        let u_lens = if aperture { draw.sampler.pair(Stream::Lens, 0) } else { [0.0; 2] };
-        let drawn = self.eye.ray(draw.position, u_lens);
+        let drawn = self.eye_ray(draw);
         let (start, mut heading) = walker.from_eye(&self.eye, &drawn, self.media);
         paths.eye.push(start);
         let mut scattered = false;

@@ -62,6 +62,7 @@ pub struct BsdfSample {
 impl BsdfSample {
     /// A draw from a lobe, with what the model says about it; `None` where the hero's
     /// density vanishes.
+    #[inline]
     pub(super) fn of_lobe(wi: Vec3A, judged: BsdfValue, is_transmission: bool) -> Option<Self> {
         let BsdfValue { value, pdf } = judged;
         // What is no number is handed on, to be counted; only nothing is nothing.
@@ -95,6 +96,7 @@ pub enum Bsdf {
 impl Bsdf {
     /// A dielectric of GGX roughness `alpha`, which is polished below [`Ggx::MIN_ALPHA`]
     /// or where no lane's refraction is blurred measurably.
+    #[inline]
     pub fn dielectric(interface: Interface, alpha: f32) -> Self {
         if alpha >= Ggx::MIN_ALPHA {
             let rough = RoughDielectric { interface, facets: Ggx::isotropic(alpha) };
@@ -117,6 +119,7 @@ impl Bsdf {
     }
 
     /// `eval` and `pdf` at once, which share most of their work.
+    #[inline]
     pub fn evaluate(&self, wo: Vec3A, wi: Vec3A, quantity: Quantity) -> BsdfValue {
         match self {
             Self::Lambertian(model) => model.evaluate(wo, wi),
@@ -127,19 +130,25 @@ impl Bsdf {
     }
 
     /// f(wo, wi) |cos(wi)| in sr^-1; zero for deltas.
+    #[inline]
     pub fn eval(&self, wo: Vec3A, wi: Vec3A, quantity: Quantity) -> Spectrum {
         self.evaluate(wo, wi, quantity).value
     }
 
     /// Density in sr^-1 with which `sample` draws `wi`; zero for deltas.
+    #[inline]
     pub fn pdf(&self, wo: Vec3A, wi: Vec3A, quantity: Quantity) -> Spectrum {
-        self.evaluate(wo, wi, quantity).pdf
+        match self {
+            Self::Lambertian(model) => Spectrum::splat(model.pdf(wo, wi)),
+            _ => self.evaluate(wo, wi, quantity).pdf,
+        }
     }
 
     /// Draws where the path goes on, from three numbers in [0, 1): `u_lobe` chooses between
     /// reflection and transmission, `u` the direction within.
     ///
     /// Within a lobe the map is continuous and one to one. `None`: the path ends here.
+    #[inline]
     pub fn sample(&self, wo: Vec3A, u_lobe: f32, u: [f32; 2], quantity: Quantity) -> Option<BsdfSample> {
         match self {
             Self::Lambertian(model) => model.sample(wo, u),
@@ -182,6 +191,7 @@ impl Bsdf {
     }
 
     /// Whether the model has deltas only, so that no light can be aimed at from here.
+    #[inline]
     pub fn is_delta(&self) -> bool {
         match self {
             Self::Mirror(_) | Self::SmoothDielectric(_) | Self::SmoothConductor(_) => true,
@@ -192,17 +202,20 @@ impl Bsdf {
 
     /// The n^2 factor that radiance took on by crossing to the side of `wi`, at the hero; 1
     /// where nothing crosses.
+    #[inline]
     pub fn radiance_scale(&self, wi: Vec3A) -> f32 {
         self.index_squared(-wi) / self.index_squared(wi)
     }
 
     /// n^2 |cos| of a direction at the hero: with it the coefficients of a delta seen from
     /// either side belong to the same measure (see [`crate::measure`]).
+    #[inline]
     pub fn delta_measure(&self, w: Vec3A) -> f32 {
         self.index_squared(w) * w.z.abs()
     }
 
     /// Square of the hero's index on the side of a direction relative to the outside.
+    #[inline]
     fn index_squared(&self, w: Vec3A) -> f32 {
         let interface = match self {
             Self::SmoothDielectric(model) => model.interface,
@@ -214,6 +227,7 @@ impl Bsdf {
     }
 
     /// Whether light crosses to the other side.
+    #[inline]
     pub fn transmits(&self) -> bool {
         matches!(self, Self::SmoothDielectric(_) | Self::RoughDielectric(_))
     }

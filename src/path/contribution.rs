@@ -28,6 +28,19 @@ pub struct Contribution {
     pub number: u32,
 }
 
+impl Contribution {
+    /// What a strategy found by itself, where the subpath from the eye began.
+    pub(super) const fn of_path(s: usize, t: usize, estimate: Spectrum) -> Self {
+        Self { s, t, estimate, weight: 1.0, position: None, end: None, kept: 1.0, number: u32::MAX }
+    }
+
+    /// What a walk would have brought that has come upon something that is no number: it is not
+    /// known, and the sample must not pass for black.
+    pub(super) const fn lost(s: usize, t: usize) -> Self {
+        Self::of_path(s, t, Spectrum::splat(f32::NAN))
+    }
+}
+
 /// An end of a path that was found from its neighbour.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
@@ -55,6 +68,9 @@ pub struct Subpaths {
     pub asked: f64,
     /// What became of all walks since this was last taken.
     pub fates: BothFates,
+    /// Whether nobody looks at the subpaths after a sample: then they may stay empty, which takes
+    /// less time.
+    pub forgetful: bool,
     /// What other lists of strategies would make of the paths of the sample, where that is asked
     /// for: it takes time.
     pub shares: Option<Vec<Shares>>,
@@ -71,6 +87,11 @@ pub(super) struct Proposal {
 }
 
 impl Subpaths {
+    /// Those of samples whose contributions are all that is asked for.
+    pub fn forgetful() -> Self {
+        Self { forgetful: true, ..Self::default() }
+    }
+
     /// Forgets both subpaths, but not what became of them.
     pub fn clear(&mut self) {
         self.light.clear();

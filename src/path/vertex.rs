@@ -151,46 +151,90 @@ impl Vertex {
         }
     }
 
-    /// Whether both directions lie on the sides of the true surface that the shading frame
-    /// says they do; light does not leak through where the two normals disagree.
+    /// The surface as the subpath has reached it; `None` at an end.
     #[inline]
-    pub(super) fn sides_agree(&self, surface: &Surface, direction: Vec3A) -> bool {
-        surface.sides_agree(&self.point, self.to_previous) && surface.sides_agree(&self.point, direction)
+    pub(super) fn place(&self) -> Option<Place<'_>> {
+        let Self { point, to_previous, media, .. } = self;
+        Some(Place { point, surface: self.surface()?, to_previous: *to_previous, media })
     }
 
     /// Scattering from the previous vertex into a direction: value (with the cosine at this
     /// vertex towards `direction`) and density; nothing for ends and deltas.
     #[inline]
     pub fn scatter(&self, direction: Vec3A, quantity: Quantity) -> BsdfValue {
-        let Some(surface) = self.surface() else { return BsdfValue::ZERO };
-        if !self.sides_agree(surface, direction) {
-            return BsdfValue::ZERO;
-        }
-        let wo = surface.shading.to_local(self.to_previous);
-        let wi = surface.shading.to_local(direction);
-        let mut scattered = surface.bsdf.evaluate(wo, wi, quantity);
-        if quantity == Quantity::Importance {
-            scattered.value *= self.adjoint_factor(surface, direction);
-        }
-        scattered
+        self.place().map_or(BsdfValue::ZERO, |place| place.scatter(direction, quantity))
     }
 
     /// Density in sr^-1 with which a subpath that arrives from `direction` would go on to the
     /// previous vertex; `quantity` is what this vertex's own subpath carries.
     #[inline]
     pub fn reverse_pdf(&self, direction: Vec3A, quantity: Quantity) -> Spectrum {
-        let Some(surface) = self.surface() else { return Spectrum::ZERO };
-        let wo = surface.shading.to_local(direction);
-        let wi = surface.shading.to_local(self.to_previous);
-        surface.bsdf.pdf(wo, wi, quantity.opposite())
+        self.place().map_or(Spectrum::ZERO, |place| place.reverse_pdf(direction, quantity))
+    }
+
+    /// See [`Place::adjoint_factor`]; 1 at an end.
+    #[inline]
+    pub(super) fn adjoint_factor(&self, direction: Vec3A) -> f32 {
+        self.place().map_or(1.0, |place| place.adjoint_factor(direction))
+    }
+
+    /// What light travels through on the way in a direction, given what the subpath came
+    /// through.
+    #[inline]
+    pub(super) fn media_towards(&self, direction: Vec3A) -> Media {
+        self.place().map_or(self.media, |place| place.media_towards(direction))
+    }
+}
+
+/// A point of a surface as a subpath has reached it: what scattering there depends on.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'v> {
+    pub point: &'v SurfacePoint,
+    pub surface: &'v Surface,
+    /// Unit direction to where the subpath came from.
+    pub to_previous: Vec3A,
+    /// What the subpath travelled through to get here.
+    pub media: &'v Media,
+}
+
+impl Place<'_> {
+    /// Whether both directions lie on the sides of the true surface that the shading frame
+    /// says they do; light does not leak through where the two normals disagree.
+    #[inline]
+    pub fn sides_agree(&self, direction: Vec3A) -> bool {
+        self.surface.sides_agree(self.point, self.to_previous)
+            && self.surface.sides_agree(self.point, direction)
+    }
+
+    /// See [`Vertex::scatter`].
+    #[inline]
+    pub fn scatter(&self, direction: Vec3A, quantity: Quantity) -> BsdfValue {
+        if !self.sides_agree(direction) {
+            return BsdfValue::ZERO;
+        }
+        let wo = self.surface.shading.to_local(self.to_previous);
+        let wi = self.surface.shading.to_local(direction);
+        let mut scattered = self.surface.bsdf.evaluate(wo, wi, quantity);
+        if quantity == Quantity::Importance {
+            scattered.value *= self.adjoint_factor(direction);
+        }
+        scattered
+    }
+
+    /// See [`Vertex::reverse_pdf`].
+    #[inline]
+    pub fn reverse_pdf(&self, direction: Vec3A, quantity: Quantity) -> Spectrum {
+        let wo = self.surface.shading.to_local(direction);
+        let wi = self.surface.shading.to_local(self.to_previous);
+        self.surface.bsdf.pdf(wo, wi, quantity.opposite())
     }
 
     /// What carrying power over a surface with shading normals differs by from gathering
     /// radiance over it (Veach 1997, equation 5.19): cosines with the true normal for those
     /// with the shading normal. One where the two normals are the same.
     #[inline]
-    pub(super) fn adjoint_factor(&self, surface: &Surface, direction: Vec3A) -> f32 {
-        let (true_normal, shading_normal) = (self.point.normal, surface.shading.normal);
+    pub fn adjoint_factor(&self, direction: Vec3A) -> f32 {
+        let (true_normal, shading_normal) = (self.point.normal, self.surface.shading.normal);
         if true_normal == shading_normal {
             return 1.0;
         }
@@ -198,16 +242,13 @@ impl Vertex {
         ratio(self.to_previous) / ratio(direction)
     }
 
-    /// What light travels through on the way in a direction, given what the subpath came
-    /// through.
+    /// What light travels through on the way in a direction.
     #[inline]
-    pub(super) fn media_towards(&self, direction: Vec3A) -> Media {
-        let mut media = self.media;
-        if let Some(surface) = self.surface() {
-            let (towards, from) = (self.point.normal.dot(direction), self.point.normal.dot(self.to_previous));
-            if towards * from < 0.0 && surface.bsdf.transmits() {
-                media.cross(surface.object, towards < 0.0);
-            }
+    pub fn media_towards(&self, direction: Vec3A) -> Media {
+        let mut media = *self.media;
+        let (towards, from) = (self.point.normal.dot(direction), self.point.normal.dot(self.to_previous));
+        if towards * from < 0.0 && self.surface.bsdf.transmits() {
+            media.cross(self.surface.object, towards < 0.0);
         }
         media
     }

@@ -9,9 +9,9 @@ use super::eye::{Eye, EyeRay};
 use super::fate::Fate;
 use super::media::Media;
 use super::roulette::Roulette;
-use super::vertex::{Kind, Surface, Vertex};
+use super::vertex::{Kind, Place, Surface, Vertex};
 use super::weights;
-use crate::geometry::{Ray, SurfacePoint};
+use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::light::EmittedRay;
 use crate::material::{BsdfSample, Quantity};
 use crate::measure::AreaPdf;
@@ -85,6 +85,11 @@ pub struct Heading {
 }
 
 impl Heading {
+    /// A subpath on its way from the eye.
+    pub(super) fn from_eye(eye: &Eye<'_>, drawn: &EyeRay, media: Media) -> Self {
+        Self::new(drawn.ray, Quantity::Radiance, eye.response(), drawn.pdf_solid_angle, media)
+    }
+
     fn new(ray: Ray, quantity: Quantity, throughput: f32, pdf_solid_angle: f64, media: Media) -> Self {
         Self {
             ray,
@@ -157,10 +162,7 @@ impl<'a> Walker<'a, '_> {
 
     /// Begins a subpath at the eye: its first vertex, and where it goes.
     pub fn from_eye(&self, eye: &Eye<'_>, drawn: &EyeRay, media: Media) -> (Vertex, Heading) {
-        let vertex = self.eye_vertex(eye, drawn.point, media);
-        let heading =
-            Heading::new(drawn.ray, Quantity::Radiance, eye.response(), drawn.pdf_solid_angle, media);
-        (vertex, heading)
+        (self.eye_vertex(eye, drawn.point, media), Heading::from_eye(eye, drawn, media))
     }
 
     /// Begins a subpath at a light that was chosen with a probability.
@@ -182,10 +184,7 @@ impl<'a> Walker<'a, '_> {
     /// Follows the ray to the vertex that it meets; `None` where it leaves the scene.
     #[inline]
     pub fn arrive(&self, from: &Vertex, heading: &mut Heading) -> Option<Vertex> {
-        let hit = self.scene.geometry.intersect(&heading.ray)?;
-        if let Some(absorption) = heading.media.absorption(self.scene) {
-            heading.throughput *= transmittance(absorption, hit.t, self.wavelengths);
-        }
+        let hit = self.meet(heading)?;
         let mut vertex = Vertex {
             point: hit.point,
             kind: Kind::Surface(Surface::of(self.scene, &hit, self.wavelengths)),
@@ -211,76 +210,105 @@ impl<'a> Walker<'a, '_> {
         Some(vertex)
     }
 
+    /// Follows the ray to the surface that it meets, through what absorbs on the way.
+    #[inline]
+    pub(super) fn meet(&self, heading: &mut Heading) -> Option<Hit> {
+        let hit = self.scene.geometry.intersect(&heading.ray)?;
+        if self.plan.tracks_media
+            && let Some(absorption) = heading.media.absorption(self.scene)
+        {
+            heading.throughput *= transmittance(absorption, hit.t, self.wavelengths);
+        }
+        Some(hit)
+    }
+
     /// Draws where the subpath goes on from its last vertex, and completes what the last two
     /// vertices know; false where it ends. Where that is because something is no number, the
     /// heading is not finite either.
     #[inline]
     pub fn leave(&self, subpath: &mut [Vertex], heading: &mut Heading) -> bool {
         let (last, before) = subpath.split_last_mut().expect("a walk has come from somewhere");
-        let Some(surface) = last.surface() else { return false };
+        let Some(place) = last.place() else { return false };
+        let Some((drawn, direction)) = self.draw(&place, heading) else { return false };
+        if self.plan.strategies.joins_both_ways() {
+            let previous = before.last_mut().expect("a surface was reached from somewhere");
+            let per_area = last.per_area_of_previous;
+            previous.reverse = if drawn.is_delta {
+                // A delta is drawn with the same probability from either side.
+                let wo = place.surface.shading.to_local(place.to_previous);
+                AreaPdf::of_direction(drawn.pdf, per_area * f64::from(place.surface.bsdf.delta_measure(wo)))
+            } else {
+                AreaPdf::of_direction(place.reverse_pdf(direction, heading.quantity), per_area)
+            };
+            if !self.plan.lanes_differ {
+                weights::note_given_away(before, heading.quantity, heading.asked, &self.plan.strategies);
+            }
+        }
+        self.turn(&place, &drawn, direction, heading);
+        last.is_delta = drawn.is_delta;
+        heading.is_finite() && self.survives(heading)
+    }
+
+    /// Draws the direction in which a subpath goes on; `None` where it ends. Where that is because
+    /// something is no number, the heading is not finite either.
+    #[inline]
+    pub(super) fn draw(&self, place: &Place<'_>, heading: &mut Heading) -> Option<(BsdfSample, Vec3A)> {
+        let surface = place.surface;
         let (direction, lobe) = match heading.quantity {
             Quantity::Radiance => (Stream::Direction, Stream::Lobe),
             Quantity::Importance => (Stream::LightDirection, Stream::LightLobe),
         };
         let u = self.sampler.pair(direction, heading.bounce);
         let u_lobe = if surface.bsdf.transmits() { self.sampler.single(lobe, heading.bounce) } else { 0.0 };
-        let wo = surface.shading.to_local(last.to_previous);
+        let wo = surface.shading.to_local(place.to_previous);
         if !wo.is_finite() {
             heading.ray.direction = wo;
-            return false;
+            return None;
         }
-        let Some(drawn) = surface.bsdf.sample(wo, u_lobe, u, heading.quantity) else { return false };
+        let drawn = surface.bsdf.sample(wo, u_lobe, u, heading.quantity)?;
         let direction = surface.shading.to_world(drawn.wi).normalize();
         if !direction.is_finite() {
             heading.ray.direction = direction;
-            return false;
+            return None;
         }
-        if drawn.value.is_black() || !last.sides_agree(surface, direction) {
-            return false;
-        }
-        if self.plan.strategies.joins_both_ways() {
-            let previous = before.last_mut().expect("a surface was reached from somewhere");
-            let per_area = last.per_area_of_previous;
-            previous.reverse = if drawn.is_delta {
-                // A delta is drawn with the same probability from either side.
-                AreaPdf::of_direction(drawn.pdf, per_area * f64::from(surface.bsdf.delta_measure(wo)))
-            } else {
-                AreaPdf::of_direction(last.reverse_pdf(direction, heading.quantity), per_area)
-            };
-            if !self.plan.lanes_differ {
-                weights::note_given_away(before, heading.quantity, heading.asked, &self.plan.strategies);
-            }
-        }
-        self.turn(last, &drawn, direction, heading);
-        last.is_delta = drawn.is_delta;
-        heading.is_finite() && self.survives(heading)
+        (!drawn.value.is_black() && place.sides_agree(direction)).then_some((drawn, direction))
     }
 
-    fn turn(&self, vertex: &Vertex, drawn: &BsdfSample, direction: Vec3A, heading: &mut Heading) {
-        let Some(surface) = vertex.surface() else { return };
-        let hero = Spectrum::splat(drawn.pdf.hero());
+    /// Sends a subpath on in a direction drawn.
+    #[inline]
+    pub(super) fn turn(
+        &self,
+        place: &Place<'_>,
+        drawn: &BsdfSample,
+        direction: Vec3A,
+        heading: &mut Heading,
+    ) {
         // Divided, not multiplied by a reciprocal: the hero's own density stays exactly one.
+        let hero = Spectrum::splat(drawn.pdf.hero());
         heading.throughput *= drawn.value / hero;
-        heading.lanes *= drawn.pdf / hero;
+        if self.plan.lanes_differ {
+            heading.lanes *= drawn.pdf / hero;
+        }
         if heading.quantity == Quantity::Importance {
-            heading.throughput *= vertex.adjoint_factor(surface, direction);
+            heading.throughput *= place.adjoint_factor(direction);
         } else if drawn.is_transmission {
-            heading.lossless *= surface.bsdf.radiance_scale(drawn.wi);
+            heading.lossless *= place.surface.bsdf.radiance_scale(drawn.wi);
         }
         heading.pdf = drawn.pdf;
         heading.delta_measure =
-            if drawn.is_delta { f64::from(surface.bsdf.delta_measure(drawn.wi)) } else { 1.0 };
+            if drawn.is_delta { f64::from(place.surface.bsdf.delta_measure(drawn.wi)) } else { 1.0 };
         if self.plan.tracks_media && drawn.is_transmission {
-            heading.media = vertex.media_towards(direction);
+            heading.media = place.media_towards(direction);
         }
-        heading.ray = vertex.point.ray_along(direction);
+        heading.ray = place.point.ray_along(direction);
         heading.bounce += 1;
     }
 
     /// Russian roulette on what the subpath still carries. Subpaths from a light are ended from
     /// the first bounce on, in proportion to the power that they lose: all that go on carry the
     /// same.
-    fn survives(&self, heading: &mut Heading) -> bool {
+    #[inline]
+    pub(super) fn survives(&self, heading: &mut Heading) -> bool {
         if self.plan.most_bounces.is_some_and(|most| heading.bounce > most) {
             // The first trapped bounce may be this one.
             heading.note_trapped(heading.carried(heading.throughput.max()));

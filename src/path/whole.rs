@@ -96,7 +96,7 @@ impl<'a, 'e> Whole<'a, 'e> {
         let drawn = surface.bsdf.sample(wo, u_lobe, [0.5; 2], quantity)?;
         let mut value = drawn.value;
         if quantity == Quantity::Importance {
-            value *= vertex.adjoint_factor(&surface, direction);
+            value *= vertex.adjoint_factor(direction);
         }
         (drawn.is_transmission == crosses)
             .then(|| (value, drawn.pdf, f64::from(surface.bsdf.delta_measure(wi))))

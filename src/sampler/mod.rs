@@ -12,6 +12,7 @@
 pub(crate) mod inverse;
 mod sobol;
 
+use sobol::Member;
 pub use sobol::owen_sobol_2d;
 
 /// What a random number decides.
@@ -59,8 +60,7 @@ const STREAMS: u32 = 16;
 #[derive(Clone, Copy, Debug)]
 pub struct Sampler {
     key: u64,
-    index: u32,
-    index_bits: u32,
+    member: Member,
 }
 
 /// The random numbers of one block of samples in one pixel.
@@ -79,7 +79,7 @@ impl BlockSampler {
 
     /// The numbers of one sample of the block.
     pub const fn sample(&self, index: u32) -> Sampler {
-        Sampler { key: self.key, index, index_bits: self.index_bits }
+        Sampler { key: self.key, member: Member::new(index, self.index_bits) }
     }
 }
 
@@ -87,8 +87,7 @@ impl Sampler {
     /// Two numbers in [0, 1) for a decision at a bounce.
     #[inline]
     pub fn pair(&self, stream: Stream, bounce: u32) -> [f32; 2] {
-        let name = u64::from(bounce) * u64::from(STREAMS) + stream as u64;
-        owen_sobol_2d(self.index, self.index_bits, mix(self.key ^ name))
+        self.member.scrambled(self.key_of(stream, bounce))
     }
 
     /// One number in [0, 1) with 48 bits, for a choice among things of very unequal weight.
@@ -101,7 +100,12 @@ impl Sampler {
     /// One number in [0, 1) for a decision at a bounce.
     #[inline]
     pub fn single(&self, stream: Stream, bounce: u32) -> f32 {
-        self.pair(stream, bounce)[0]
+        self.member.first_scrambled(self.key_of(stream, bounce))
+    }
+
+    #[inline]
+    const fn key_of(&self, stream: Stream, bounce: u32) -> u64 {
+        mix(self.key ^ (bounce as u64 * STREAMS as u64 + stream as u64))
     }
 }
 

@@ -1,7 +1,10 @@
 //! Curves as transport reads them: one value per nanometre, or one value in all.
 
-use super::lanes::Spectrum;
+use super::lanes::{LANES, Spectrum};
 use super::wavelengths::{GRID_POINTS, Wavelengths, grid_nm};
+
+/// Cells that a table has room for: a power of two, so that a masked index needs no check.
+const CELLS: usize = GRID_POINTS.next_power_of_two();
 
 /// A curve resampled onto the 1 nm grid; a flat curve is a single number.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,7 +12,36 @@ pub enum Dense {
     /// The same value at every wavelength.
     Flat(f32),
     /// Values at 360, 361, … 830 nm; linear between.
-    Grid(Box<[f32; GRID_POINTS]>),
+    Grid(Box<GridTable>),
+}
+
+/// Values at the grid points, and zeros behind them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridTable([f32; CELLS + 1]);
+
+impl GridTable {
+    fn new(values: &[f32; GRID_POINTS]) -> Self {
+        let mut table = Self([0.0; CELLS + 1]);
+        table.0[..GRID_POINTS].copy_from_slice(values);
+        table
+    }
+
+    fn values(&self) -> &[f32] {
+        &self.0[..GRID_POINTS]
+    }
+
+    #[inline]
+    fn at(&self, wavelengths: &Wavelengths) -> Spectrum {
+        let ends = |lane: usize| {
+            let cell = wavelengths.cell[lane] as usize & (CELLS - 1);
+            [self.0[cell], self.0[cell + 1]]
+        };
+        let ends: [[f32; 2]; LANES] = std::array::from_fn(ends);
+        Spectrum::from_fn(|lane| {
+            let [a, b] = ends[lane];
+            a + (b - a) * wavelengths.fraction[lane]
+        })
+    }
 }
 
 impl Dense {
@@ -27,7 +59,7 @@ impl Dense {
         if values.iter().all(|v| v.to_bits() == values[0].to_bits()) {
             return Self::Flat(values[0]);
         }
-        Self::Grid(Box::new(values.try_into().expect("one value per grid point")))
+        Self::Grid(Box::new(GridTable::new(values.try_into().expect("one value per grid point"))))
     }
 
     /// The curve at the wavelengths of a path.
@@ -35,11 +67,7 @@ impl Dense {
     pub fn at(&self, wavelengths: &Wavelengths) -> Spectrum {
         match self {
             Self::Flat(value) => Spectrum::splat(*value),
-            Self::Grid(values) => Spectrum::from_fn(|lane| {
-                let cell = wavelengths.cell[lane] as usize;
-                let (a, b) = (values[cell], values[cell + 1]);
-                a + (b - a) * wavelengths.fraction[lane]
-            }),
+            Self::Grid(table) => table.at(wavelengths),
         }
     }
 
@@ -47,7 +75,7 @@ impl Dense {
     pub fn at_grid_point(&self, index: usize) -> f32 {
         match self {
             Self::Flat(value) => *value,
-            Self::Grid(values) => values[index],
+            Self::Grid(table) => table.values()[index],
         }
     }
 
@@ -80,7 +108,10 @@ impl Dense {
         let times = |v: f32| (f64::from(v) * factor) as f32;
         match self {
             Self::Flat(value) => Self::Flat(times(*value)),
-            Self::Grid(values) => Self::from_values(&values.map(times)),
+            Self::Grid(table) => {
+                let values: Vec<f32> = table.values().iter().copied().map(times).collect();
+                Self::from_values(&values)
+            }
         }
     }
 }

@@ -8,6 +8,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Index, IndexMut, Mul, MulAssign};
 
 /// Wavelengths that one path carries side by side.
 pub const LANES: usize = 8;
+const _: () = assert!(LANES.is_power_of_two());
 
 /// One value per carried wavelength; lane 0 belongs to the hero wavelength.
 ///
@@ -70,32 +71,59 @@ impl Spectrum {
     /// The sum over the lanes.
     #[inline]
     pub fn sum(self) -> f32 {
-        self.0.iter().sum()
+        self.halved(|a, b| a + b)
     }
 
-    /// The largest lane.
+    /// The largest lane; those that are no number are left out.
     #[inline]
     pub fn max(self) -> f32 {
-        self.0.iter().copied().fold(f32::NEG_INFINITY, f32::max)
+        let floor = Self::splat(f32::NEG_INFINITY);
+        self.zip(floor, larger).halved(larger)
+    }
+
+    /// All lanes as one, half of them taken together with the other half at each step: vector
+    /// instructions, where one lane after another is a chain.
+    #[inline]
+    fn halved(self, both: impl Fn(f32, f32) -> f32) -> f32 {
+        let (mut lanes, mut count) = (self.0, LANES);
+        while count > 1 {
+            count /= 2;
+            for lane in 0..count {
+                lanes[lane] = both(lanes[lane], lanes[lane + count]);
+            }
+        }
+        lanes[0]
     }
 
     /// Whether every lane is zero: such a path carries nothing and can stop.
     #[inline]
     pub fn is_black(self) -> bool {
-        self.0.iter().all(|&v| v == 0.0)
+        self.all(|v| v == 0.0)
     }
 
     /// Whether no lane is NaN or infinite.
     #[inline]
     pub fn is_finite(self) -> bool {
-        self.0.iter().all(|v| v.is_finite())
+        self.all(f32::is_finite)
+    }
+
+    /// Whether something holds for every lane; all are looked at, without a branch.
+    #[inline]
+    fn all(self, holds: impl Fn(f32) -> bool) -> bool {
+        self.0.iter().fold(true, |all, &v| all & holds(v))
     }
 
     /// Whether all lanes are equal bit for bit, as those of a quantity without dispersion.
     #[inline]
     pub fn is_flat(self) -> bool {
-        self.0.iter().all(|v| v.to_bits() == self.0[0].to_bits())
+        self.all(|v| v.to_bits() == self.0[0].to_bits())
     }
+}
+
+/// The larger of two numbers, and the second where the first is none: one instruction.
+#[inline]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 impl Default for Spectrum {

@@ -76,14 +76,69 @@ impl Wavelengths {
 pub struct WavelengthSampler {
     /// In order of wavelength; nothing in it has probability zero.
     pieces: Vec<Piece>,
+    /// The same for drawing, with one more behind the last that no number reaches.
+    stretches: Vec<Stretch>,
     /// For each of [`GUIDES`] equal parts of [0, 1) the piece that its first number falls in: from
     /// there the piece of any number is a few steps away, and no search over all is needed.
-    guides: Vec<u16>,
+    guides: Box<[u16; GUIDES]>,
 }
 
-/// Parts of [0, 1) with a guide: a power of two, so that parts are told without rounding, and
-/// about one for every piece.
-const GUIDES: usize = 512;
+/// Bits of the numbers that wavelengths are drawn by: those of the sampler's.
+const NUMBER_BITS: u32 = 24;
+/// Bits of the number of guides: parts of [0, 1) are told by a shift, and most hold the end of no
+/// piece, or of one.
+const GUIDE_BITS: u32 = 11;
+/// Parts of [0, 1) with a guide.
+const GUIDES: usize = 1 << GUIDE_BITS;
+
+/// The numbers, in units of 2^-24, that draw from one piece.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    /// The first of them.
+    first: u32,
+    /// Place within the cell that the first draws, 0 to 1, and how much farther each further one
+    /// is; zero for a line.
+    fraction: f32,
+    step: f32,
+    /// Wavelength in nm that the first draws.
+    nm: f32,
+    density: f32,
+    cell: u16,
+    line: u32,
+}
+
+impl Stretch {
+    fn of(piece: &Piece) -> Self {
+        let numbers = f64::from(1 << NUMBER_BITS);
+        let first = (piece.start * numbers).ceil();
+        let density = piece.probability as f32;
+        match piece.source {
+            Source::Cell(cell) => {
+                let fraction = (first / numbers - piece.start) / piece.probability;
+                Self {
+                    first: first as u32,
+                    fraction: fraction as f32,
+                    step: (1.0 / (numbers * piece.probability)) as f32,
+                    nm: (FIRST_NM + cell as f64 + fraction) as f32,
+                    density,
+                    cell: cell as u16,
+                    line: CONTINUUM,
+                }
+            }
+            Source::Line(line, nm) => {
+                let (cell, fraction) = place_on_grid(nm);
+                let (first, fraction, nm) = (first as u32, fraction as f32, nm as f32);
+                Self { first, fraction, step: 0.0, nm, density, cell: cell as u16, line }
+            }
+        }
+    }
+
+    /// Behind the last.
+    const fn end() -> Self {
+        let first = u32::MAX;
+        Self { first, fraction: 0.0, step: 0.0, nm: 0.0, density: 0.0, cell: 0, line: CONTINUUM }
+    }
+}
 
 /// A part of the distribution.
 #[derive(Clone, Copy, Debug)]
@@ -149,9 +204,12 @@ impl WavelengthSampler {
             piece
         };
         let pieces: Vec<Piece> = weights.into_iter().map(piece).collect();
-        let last_before = |u: f64| pieces.partition_point(|piece| piece.start <= u) - 1;
-        let guides = (0..GUIDES).map(|part| last_before(part as f64 / GUIDES as f64) as u16).collect();
-        Some(Self { pieces, guides })
+        let end = std::iter::once(Stretch::end());
+        let stretches: Vec<Stretch> = pieces.iter().map(Stretch::of).chain(end).collect();
+        let piece_of = |u: u32| stretches.partition_point(|stretch| stretch.first <= u) - 1;
+        let guide = |part: usize| piece_of((part as u32) << (NUMBER_BITS - GUIDE_BITS)) as u16;
+        let guides = Box::new(std::array::from_fn(guide));
+        Some(Self { pieces, stretches, guides })
     }
 
     /// The same density everywhere.
@@ -183,30 +241,33 @@ impl WavelengthSampler {
             fraction: Spectrum::ZERO,
             line: [CONTINUUM; LANES],
         };
+        const NUMBERS: u32 = 1 << NUMBER_BITS;
+        let hero = (u * NUMBERS as f32) as u32;
+        let (mut further, mut step) = (Spectrum::ZERO, Spectrum::ZERO);
         for lane in 0..LANES {
-            let rotated = f64::from(u) + lane as f64 / LANES as f64;
-            let (piece, within) = self.invert(if rotated >= 1.0 { rotated - 1.0 } else { rotated });
-            let (cell, fraction) = match piece.source {
-                Source::Cell(cell) => (cell, within),
-                Source::Line(index, nm) => {
-                    drawn.line[lane] = index;
-                    place_on_grid(nm)
-                }
-            };
-            drawn.nm[lane] = (FIRST_NM + cell as f64 + fraction) as f32;
-            drawn.density[lane] = piece.probability as f32;
-            drawn.cell[lane] = cell as u16;
-            drawn.fraction[lane] = fraction as f32;
+            let number = hero.wrapping_add(lane as u32 * (NUMBERS / LANES as u32)) % NUMBERS;
+            let stretch = self.stretch(number);
+            further[lane] = (number - stretch.first) as f32;
+            step[lane] = stretch.step;
+            drawn.fraction[lane] = stretch.fraction;
+            drawn.nm[lane] = stretch.nm;
+            drawn.density[lane] = stretch.density;
+            drawn.cell[lane] = stretch.cell;
+            drawn.line[lane] = stretch.line;
         }
+        drawn.nm += further * step;
+        drawn.fraction = (drawn.fraction + further * step).map(|fraction| fraction.min(1.0));
         drawn
     }
 
-    /// The piece that a number in [0, 1) falls in, and where in it, 0 to 1.
-    fn invert(&self, u: f64) -> (&Piece, f64) {
-        let from = usize::from(self.guides[(u * GUIDES as f64) as usize]);
-        let beyond = self.pieces[from + 1..].iter().take_while(|piece| piece.start <= u).count();
-        let piece = &self.pieces[from + beyond];
-        (piece, ((u - piece.start) / piece.probability).clamp(0.0, 1.0))
+    /// The stretch that a number below 2^24 falls in.
+    #[inline]
+    fn stretch(&self, number: u32) -> &Stretch {
+        let mut place = usize::from(self.guides[(number >> (NUMBER_BITS - GUIDE_BITS)) as usize]);
+        while self.stretches[place + 1].first <= number {
+            place += 1;
+        }
+        &self.stretches[place]
     }
 }
 
