@@ -1,5 +1,6 @@
 //! From described shapes to a [`Geometry`].
 
+use super::accelerate::MOST_PRIMITIVES;
 use super::blueprint::Blueprint;
 use super::{Geometry, MetreBounds, Primitive, Shape, ShapeError, Transform, unit_scale};
 use glam::Vec3A;
@@ -73,7 +74,7 @@ impl GeometryBuilder {
     /// Builds in a given unit, a power of two of metres, as [`unit_scale`] gives for bounds
     /// that include whatever else must fit.
     pub fn build_at(self, metres_per_unit: f64) -> Result<Geometry, ShapeError> {
-        if u32::try_from(self.blueprints.len()).is_err() {
+        if self.blueprints.len() > MOST_PRIMITIVES as usize {
             return Err(ShapeError::TooMany);
         }
         let mut parts = Parts {
@@ -88,6 +89,8 @@ impl GeometryBuilder {
             parts.add_object(&self.blueprints[start..end])?;
             start = end;
         }
+        // Before the tree is built, which takes as much memory again.
+        drop(self);
         Ok(Geometry::from_parts(parts))
     }
 }

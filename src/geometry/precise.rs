@@ -77,16 +77,23 @@ impl PreciseRay {
     }
 
     /// Whether a meeting at distance `t` counts.
-    #[inline]
+    #[inline(always)]
     pub fn reaches(&self, t: f64) -> bool {
         t > 0.0 && t < self.t_max
+    }
+
+    /// The axes as the shear orders them, its own last, and the shear: of the first two, and
+    /// the distance along the ray per unit of its own axis.
+    #[inline]
+    pub(crate) const fn shear(&self) -> ([usize; 3], [f64; 3]) {
+        (self.axes, self.shear)
     }
 
     /// A vertex in the sheared coordinates in which this ray is the z axis.
     ///
     /// The result depends on nothing but ray and vertex, which is what makes triangles that
     /// share a vertex meet without a gap.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn sheared(&self, vertex: &[f32; 3]) -> DVec3 {
         let component = |axis: usize| f64::from(vertex[axis]) - self.start[axis];
         let z = component(self.axes[2]);
@@ -98,7 +105,7 @@ impl PreciseRay {
     }
 
     /// The nearer of two distances that counts, if any does.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn first_of(&self, roots: (f64, f64), counts: impl Fn(f64) -> bool) -> Option<Meeting> {
         let meeting = |t| Meeting { t, u: 0.0, v: 0.0 };
         if self.reaches(roots.0) && counts(roots.0) {
@@ -117,7 +124,7 @@ impl PreciseRay {
 /// The discriminant is radius^2 minus the squared distance of the line from the centre,
 /// which loses nothing for small and far spheres (Haines et al., Ray Tracing Gems,
 /// chapter 7).
-#[inline]
+#[inline(always)]
 pub(crate) fn round_roots(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
     let a = direction.length_squared();
     let b = -offset.dot(direction);
@@ -137,9 +144,9 @@ impl SurfacePoint {
     /// Rounds a position computed in `f64` on a primitive whose coordinates reach to `reach`,
     /// and whose surface is itself only known to within `thickness`.
     #[inline]
-    pub(crate) fn rounded(exact: DVec3, reach: DVec3, thickness: DVec3, normal: DVec3) -> Self {
+    pub(crate) fn rounded(exact: DVec3, reach: f64, thickness: DVec3, normal: DVec3) -> Self {
         let position = exact.as_vec3a();
-        let slop = DVec3::splat(reach.max_element() * MEETING_ERROR);
+        let slop = DVec3::splat(reach * MEETING_ERROR);
         let error = (exact - position.as_dvec3()).abs() + slop + thickness;
         Self {
             position,
@@ -150,7 +157,7 @@ impl SurfacePoint {
 }
 
 /// The least `f32` not below `x`.
-#[inline]
+#[inline(always)]
 pub(crate) fn round_up(x: f64) -> f32 {
     let rounded = x as f32;
     if f64::from(rounded) < x { rounded.next_up() } else { rounded }

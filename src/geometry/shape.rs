@@ -189,6 +189,7 @@ fn triangles(mesh: &Mesh, to_world: &Transform, out: &mut Vec<Blueprint>) -> Res
     if mesh.triangles.is_empty() {
         return Err(ShapeError::NoExtent { what: "the mesh" });
     }
+    out.reserve(mesh.triangles.len());
     for corners in &mesh.triangles {
         let corners = corners.map(|index| index as usize);
         let normals = (!mesh.normals.is_empty()).then(|| corners.map(|i| mesh.normals[i]));

@@ -50,7 +50,7 @@ impl Cylinder {
     }
 
     /// The nearest place where `ray` meets the lateral surface.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &PreciseRay) -> Option<Meeting> {
         let offset = ray.origin - self.from.as_dvec3();
         let (height, climb) = (offset.dot(self.axis), ray.direction.dot(self.axis));
@@ -95,7 +95,7 @@ impl Cylinder {
     fn at(&self, height: f64, outward: DVec3) -> SurfacePoint {
         let (from, radius) = (self.from.as_dvec3(), f64::from(self.radius));
         let position = from + self.axis * height + outward * radius;
-        let reach = from.abs() + DVec3::splat(radius + self.length);
+        let reach = from.abs().max_element() + radius + self.length;
         SurfacePoint::rounded(position, reach, DVec3::ZERO, outward)
     }
 }

@@ -45,7 +45,7 @@ impl Disk {
     }
 
     /// The place where `ray` meets the disk, rim included.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &PreciseRay) -> Option<Meeting> {
         let span = self.center.as_dvec3() - ray.origin;
         let t = span.dot(self.normal) / ray.direction.dot(self.normal);
@@ -89,7 +89,7 @@ impl Disk {
     #[inline]
     fn at(&self, offset: DVec3) -> SurfacePoint {
         let center = self.center.as_dvec3();
-        let reach = center.abs() + DVec3::splat(f64::from(self.radius));
+        let reach = center.abs().max_element() + f64::from(self.radius);
         SurfacePoint::rounded(center + offset, reach, DVec3::ZERO, self.normal)
     }
 }

@@ -58,7 +58,7 @@ impl Primitive {
     }
 
     /// The nearest place where `ray` meets the surface.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &PreciseRay) -> Option<Meeting> {
         each!(self, inner => inner.intersect(ray))
     }

@@ -43,7 +43,7 @@ impl Parallelogram {
     }
 
     /// The place where `ray` meets the parallelogram, edges and corners included.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &PreciseRay) -> Option<Meeting> {
         let [a, b, c, d] = &self.corners;
         let [a, b, c, d] = [ray.sheared(a), ray.sheared(b), ray.sheared(c), ray.sheared(d)];
@@ -93,9 +93,10 @@ impl Parallelogram {
         let [a, b, c, d] = self.doubles();
         let position =
             if u >= v { a * (1.0 - u) + b * (u - v) + c * v } else { a * (1.0 - v) + d * (v - u) + c * u };
-        let reach = a.abs().max(b.abs()).max(c.abs()).max(d.abs());
+        let sizes = self.corners.map(|v| Vec3A::from(v).abs());
+        let reach = sizes[0].max(sizes[1]).max(sizes[2].max(sizes[3])).max_element();
         let bend = (a - b + c - d).abs();
-        SurfacePoint::rounded(position, reach, bend, self.cross())
+        SurfacePoint::rounded(position, f64::from(reach), bend, self.cross())
     }
 
     #[inline]

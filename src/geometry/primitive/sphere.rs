@@ -38,7 +38,7 @@ impl Sphere {
     }
 
     /// The nearest place where `ray` meets the sphere.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &PreciseRay) -> Option<Meeting> {
         let offset = ray.origin - self.center.as_dvec3();
         let roots = round_roots(offset, ray.direction, f64::from(self.radius))?;
@@ -164,7 +164,7 @@ impl Sphere {
     #[inline]
     fn towards(&self, outward: DVec3) -> SurfacePoint {
         let (center, radius) = (self.center.as_dvec3(), f64::from(self.radius));
-        let reach = center.abs() + DVec3::splat(radius);
+        let reach = center.abs().max_element() + radius;
         SurfacePoint::rounded(center + outward * radius, reach, DVec3::ZERO, outward)
     }
 }

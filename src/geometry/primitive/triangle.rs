@@ -47,11 +47,15 @@ impl Triangle {
     }
 
     /// The place where `ray` meets the triangle, edges and vertices included.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &PreciseRay) -> Option<Meeting> {
-        let [a, b, c] = &self.vertices;
-        let corners = [ray.sheared(a), ray.sheared(b), ray.sheared(c)];
-        let (t, [_, u, v]) = meet_sheared(corners)?;
+        Self::meet(&self.vertices, ray)
+    }
+
+    /// The place where `ray` meets the triangle of these vertices.
+    #[inline(always)]
+    pub(crate) fn meet([a, b, c]: &[[f32; 3]; 3], ray: &PreciseRay) -> Option<Meeting> {
+        let (t, [_, u, v]) = meet_sheared([ray.sheared(a), ray.sheared(b), ray.sheared(c)])?;
         ray.reaches(t).then_some(Meeting { t, u, v })
     }
 
@@ -88,8 +92,9 @@ impl Triangle {
         let [a, b, c] = self.doubles();
         let terms = [a * (1.0 - u - v), b * u, c * v];
         let position = terms[0] + terms[1] + terms[2];
-        let reach = a.abs().max(b.abs()).max(c.abs());
-        SurfacePoint::rounded(position, reach, DVec3::ZERO, self.cross())
+        let [first, second, third] = self.vertices.map(|v| Vec3A::from(v).abs());
+        let reach = first.max(second).max(third).max_element();
+        SurfacePoint::rounded(position, f64::from(reach), DVec3::ZERO, self.cross())
     }
 
     #[inline]
@@ -109,7 +114,7 @@ impl Triangle {
 ///
 /// Each edge function of two triangles that share the edge is the other's negative exactly,
 /// so no ray passes between them (Woop et al. 2013, section 3).
-#[inline]
+#[inline(always)]
 pub(super) fn meet_sheared([a, b, c]: [DVec3; 3]) -> Option<(f64, [f64; 3])> {
     let across_a = c.x * b.y - c.y * b.x;
     let across_b = a.x * c.y - a.y * c.x;
