@@ -53,12 +53,14 @@ fn contributions_are_value_over_density() {
 /// same estimates bit for bit, and weights that differ by the rounding of one measure or another.
 #[test]
 fn keeping_no_vertices_changes_nothing() {
-    let (mut scenes, mut all) = (0, [0; 2]);
+    let (mut scenes, mut dispersive, mut all) = (0, 0, [0; 2]);
     for (name, scene) in rooms() {
         let view = scene.view().expect("a camera");
         for direct_only in [false, true] {
             let plan = Plan { direct_only, ..Plan::of(&scene, &view.sensor, Strategies::PATH) };
             if !needs_no_vertices(&plan) {
+                assert!(plan.lanes_differ, "{name}");
+                dispersive += 1;
                 continue;
             }
             scenes += 1;
@@ -87,7 +89,11 @@ fn keeping_no_vertices_changes_nothing() {
             all = [all[0] + seen[0], all[1] + seen[1]];
         }
     }
-    assert!(scenes > 1 && all.iter().all(|count| *count > 100), "{scenes} scenes, {all:?} contributions");
+    assert_eq!(scenes + dispersive, 2 * rooms().len());
+    assert!(
+        scenes > dispersive && all.iter().all(|count| *count > 100),
+        "{scenes} scenes, {all:?} contributions"
+    );
 }
 
 /// Lists of strategies as plans have them, and odd ones.

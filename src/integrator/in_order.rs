@@ -30,9 +30,8 @@ pub fn for_each_in_order<T: Send>(
     (0..count).into_par_iter().with_max_len(1).for_each(|_| {
         let number = next.fetch_add(1, Ordering::Relaxed);
         let turn = order.wait_until(number, ahead);
-        let result = work(number);
+        order.add(number, work(number));
         std::mem::forget(turn);
-        order.add(number, result);
     });
 }
 
@@ -142,6 +141,17 @@ mod tests {
         });
         assert_eq!(sum, 499_500);
         assert!(most <= (AHEAD_PER_THREAD + 1) * THREADS, "{most} pieces were begun and not taken");
+    }
+
+    /// The others are far ahead of the first piece, and wait, when taking it fails.
+    #[test]
+    fn a_panic_while_taking_leaves_nobody_waiting() {
+        let work = |number: usize| {
+            std::thread::sleep(Duration::from_millis(if number == 0 { 200 } else { 0 }));
+        };
+        let take = |number: usize, ()| assert_ne!(number, 0, "on purpose");
+        let all = || pool(3).install(|| for_each_in_order(1000, work, take));
+        assert!(std::panic::catch_unwind(all).is_err());
     }
 
     #[test]

@@ -4,6 +4,7 @@
 mod all;
 mod cases;
 mod growth;
+mod idle;
 mod one;
 mod peers;
 mod performance;

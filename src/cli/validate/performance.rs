@@ -5,6 +5,7 @@
 //! that a peer may be started from are made.
 
 use super::all::command_line;
+use super::idle::refuse_idle;
 use super::{Arguments, peers};
 use crate::cli::print;
 use etalon::error::{Error, Result};
@@ -68,7 +69,8 @@ fn check(arguments: &Arguments) -> Result<()> {
         return Err(Error::new("a session against peers sets samples, seeds, algorithms and plans itself")
             .hint("give --budget, --scenes, --peers, --threads and --resolution alone"));
     }
-    Ok(())
+    let taken = ["--performance", "--budget", "--scenes", "--peers", "--threads", "--resolution"];
+    refuse_idle(arguments, "a session against peers", &taken)
 }
 
 /// The folders of scenes by their names.

@@ -8,6 +8,14 @@ use super::{Geometry, Slot};
 use glam::Vec3A;
 use std::ops::ControlFlow;
 
+/// Whether the processor has all that the wide build of the walk is compiled for.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+pub(super) fn has_wide_registers() -> bool {
+    use std::arch::is_x86_feature_detected as has;
+    has!("avx2") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt")
+}
+
 impl Geometry {
     /// The nearest surface that `ray` meets; of surfaces at the same distance the one with
     /// the lowest number.
@@ -22,7 +30,7 @@ impl Geometry {
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
+        if has_wide_registers() {
             // SAFETY: the processor has what the function is compiled for.
             #[expect(unsafe_code, reason = "wider registers where the processor has them")]
             return unsafe { self.occluded_avx2(ray) };
@@ -33,7 +41,7 @@ impl Geometry {
     #[inline]
     fn nearest(&self, ray: &Ray, precise: &PreciseRay) -> Option<(Meeting, u32)> {
         #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
+        if has_wide_registers() {
             // SAFETY: the processor has what the function is compiled for.
             #[expect(unsafe_code, reason = "wider registers where the processor has them")]
             return unsafe { self.nearest_avx2(ray, precise) };

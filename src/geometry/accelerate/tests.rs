@@ -96,7 +96,7 @@ fn rays_that_miss_by_a_thousandth_are_turned_away() {
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn wider_registers_give_the_same_bits() {
-    if !std::arch::is_x86_feature_detected!("avx2") {
+    if !super::answer::has_wide_registers() {
         return;
     }
     let geometry = mixed();

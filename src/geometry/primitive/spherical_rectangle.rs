@@ -48,8 +48,9 @@ impl SphericalRectangle {
         }
         let [before, upto] = x.map(|x| strip(x, y, height));
         let solid_angle = angle(minus(upto, before));
-        // A rectangle that fills more than half of its half-space comes out as a negative angle.
-        let solid_angle = if solid_angle < 0.0 { solid_angle + TAU } else { solid_angle };
+        // A rectangle that fills more than half of its half-space comes out as a negative angle; one
+        // that fills nothing as zero, give or take a rounding.
+        let solid_angle = if solid_angle < -LEAST_SOLID_ANGLE { solid_angle + TAU } else { solid_angle };
         if solid_angle <= LEAST_SOLID_ANGLE {
             return None;
         }
@@ -287,6 +288,19 @@ mod tests {
         let edges = [DVec3::X, DVec3::Y];
         for corner in [[1.0, 1.0, 0.0], [1.0, 1.0, 1e-3], [0.0, 0.0, 1e9], [0.0, 0.0, f64::NAN]] {
             assert!(SphericalRectangle::new(DVec3::from_array(corner), edges).is_none(), "{corner:?}");
+        }
+    }
+
+    /// A hair fills nothing from anywhere: the rounding of zero is no whole turn.
+    #[test]
+    fn a_hair_has_none() {
+        let mut state = 3 << 40;
+        for width in [1e-17, 1e-16, 3e-16, 1e-15, 1e-14] {
+            for _ in 0..2000 {
+                let corner = DVec3::from_array([(); 3].map(|()| 2.0 * uniform(&mut state) - 1.0));
+                let edges = [DVec3::X * (0.5 + uniform(&mut state)), DVec3::Y * width];
+                assert!(SphericalRectangle::new(corner, edges).is_none(), "{corner} {width}");
+            }
         }
     }
 }
