@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 import tempfile
 import types
 import unittest
@@ -16,8 +17,8 @@ from etalon_validation.converge_reference import FileReference
 from etalon_validation.errors import InputError
 from etalon_validation.peer_agreement import AGREES, DIFFERS
 from etalon_validation.peer_converged import RUNS, Converged, converged, most_efficient
-from etalon_validation.peer_driver import Ready
-from etalon_validation.peer_race import OURS, judge, race, ready_peers
+from etalon_validation.peer_driver import DRIVERS, Ready
+from etalon_validation.peer_race import EXPORT, OURS, judge, race, ready_peers
 from etalon_validation.peer_race_report import lines, write_all
 from etalon_validation.peer_ratios import headline, ratios
 from etalon_validation.peer_runs import Contestant
@@ -84,6 +85,21 @@ class Kept(Made):
             file = self.folder / "references" / f"other.{kind}"
             file.write_bytes(file.read_bytes()[:-9])
             self.assertEqual(self.make()[1], 1 + RUNS, kind)
+
+    def test_every_module_that_makes_a_peers_order_is_part_of_its_key(self):
+        """What a peer's modules import, and what those import, but what finds and starts the renderer."""
+        here = Path(peer_race.__file__).parent
+        others = {"driver", "environment", "llvm"}
+        for name in DRIVERS:
+            own = {file.stem.removeprefix("peer_") for file in here.glob(f"peer_{name}*.py")}
+            reached, pending = set(), sorted(own)
+            while pending:
+                part = pending.pop()
+                reached.add(part)
+                found = re.findall(r"^ *from \.peer_(\w+) import", (here / f"peer_{part}.py").read_text(encoding="utf-8"), re.MULTILINE)
+                pending += sorted(set(found) - reached - others - set(pending))
+            self.assertGreater(len(reached), len(own), name)
+            self.assertLessEqual(reached - own, set(EXPORT), name)
 
     def test_its_noise_is_the_scatter_of_its_runs(self):
         made, _ = self.make()
