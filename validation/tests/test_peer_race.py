@@ -170,6 +170,14 @@ class Ratios(unittest.TestCase):
         rows = headline(result(self.generator, peers))
         self.assertEqual([(row.peer, row.verdict) for row in rows], [("other good", AGREES), ("third wrong", DIFFERS)])
 
+    def test_a_series_without_a_value_by_the_measure_that_counts_is_not_picked(self):
+        made = result(self.generator, {"other blank": (1.0, 1.0, {}), "other heavy": (2.0, 1.0, {})})
+        blank = dataclasses.replace(made.rendering[1], efficiency_trimmed=None)
+        heavy = dataclasses.replace(made.rendering[2], flags=(types.SimpleNamespace(name="heavy tail", text=""),))
+        (row,) = headline(dataclasses.replace(made, rendering=(made.rendering[0], blank, heavy)))
+        self.assertEqual((row.peer, row.is_trimmed), ("other heavy", True))
+        self.assertGreater(row.counts.value, 1)
+
 
 class Sessions(Made):
     def chosen(self, **more):
