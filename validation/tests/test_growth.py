@@ -58,6 +58,15 @@ class Scenes(unittest.TestCase):
         self.assertEqual((triangles_of(400), mesh), (400, "torus-400.ply"))
         self.assertEqual(len(data) - data.index(b"end_header\n") - 11, 200 * 12 + 400 * 13)
 
+    def test_what_an_earlier_study_left_is_written_anew(self):
+        with tempfile.TemporaryDirectory() as folder:
+            made = [write_hall(folder, 2, 100), Path(folder) / "torus-100.ply"]
+            fresh = [file.read_bytes() for file in made]
+            for file in made:
+                file.write_bytes(b"of an earlier program")
+            write_hall(folder, 2, 100)
+            self.assertEqual([file.read_bytes() for file in made], fresh)
+
     def test_lamps_share_one_area_and_one_flux(self):
         for count in (1, 10, 1000):
             made = lamps(count)
