@@ -32,9 +32,8 @@ def run(study, tell=print):
     if not study.program.is_file():
         raise InputError(study.program, "there is no such program", "build it by cargo build --release")
     study.folder.mkdir(parents=True, exist_ok=True)
-    found, left_out = measure(study, tell)
+    found, left_out = measure(study, tell, lambda so_far: write_csv(study.folder / "growth.csv", so_far))
     series = series_of(study.axes, found, left_out)
-    write_csv(study.folder / "growth.csv", found)
     said = conditions(study)
     report = said | {"target_error": TARGET_ERROR, "series": [as_json(one) for one in series]}
     (study.folder / "growth.json").write_text(json.dumps(report, indent=2, allow_nan=False) + "\n", encoding="utf-8")
@@ -53,8 +52,9 @@ def series_of(axes, found, left_out):
 
 
 def write_csv(path, found):
-    """One line for each run."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    """One line for each run; what ends the program midway leaves the file as it was."""
+    part = path.with_suffix(".csv.part")
+    with part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
         for (axis, integrator), settings in found.items():
@@ -62,6 +62,7 @@ def write_csv(path, found):
                 known = {"axis": axis, "integrator": integrator, "value": setting.counted, "threads": setting.threads}
                 known |= dict(zip(("width", "height"), setting.size))
                 writer.writerows(known | {key: value for key, value in asdict(one).items() if key in COLUMNS} for one in runs)
+    part.replace(path)
 
 
 def as_json(one):

@@ -17,7 +17,7 @@ def add_growth(commands):
     growth.add_argument("--program", type=Path, default=Path("target/release/etalon"), help="the program etalon")
     growth.add_argument("--budget", type=float, default=BUDGET_S, metavar="SECONDS", help=f"CPU seconds of all runs together; default {BUDGET_S:g}")
     growth.add_argument("--threads", type=int, default=os.cpu_count() or 1, help="of every run; all processors if left out")
-    growth.add_argument("--full", action="store_true", help="take every point, 3840 x 2160 pixels and 10 million triangles among them, however long that is")
+    growth.add_argument("--full", action="store_true", help="take every point, 3840 x 2160 pixels and 10 million triangles among them, however long that is, if memory holds it")
     growth.set_defaults(run=run_growth)
 
 

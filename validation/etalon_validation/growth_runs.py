@@ -4,7 +4,8 @@ Every run is a process of its own and tells its own cost (`times`, `memory` of
 its report). The first pass goes up each axis and finds how many samples a run
 of a point may take; what cannot fit is left out and named. Later passes take
 the same samples with other seeds in an order drawn once, so that what else the
-machine does meets all points alike.
+machine does meets all points alike. A point that fails is named and costs no
+other its runs; those before its failure stay.
 """
 
 import json
@@ -48,7 +49,7 @@ class Study:
     # CPU seconds of all runs together.
     budget_s: float
     threads: int
-    # Whether points are taken however long they are.
+    # Whether points are taken however long they are; what memory cannot hold is left out all the same.
     full: bool
     repeats: int = REPEATS
     axes: tuple = AXES
@@ -79,7 +80,9 @@ def render(program, setting, spp, seed):
         words += ["--spp", spp, "--seed", seed, "--threads", setting.threads, "--resolution", "{}x{}".format(*setting.size), *setting.options]
         code, _, _, said = run_process(words)
         if code != 0:
-            raise InputError(setting.scene, f"cannot be rendered with {setting.integrator}: {first_error(said)}", "see what etalon check says of it")
+            # Whoever is ended for want of memory says nothing.
+            reason = f"ended by signal {-code}" if code < 0 else first_error(said)
+            raise InputError(setting.scene, f"cannot be rendered with {setting.integrator}: {reason}", "see what etalon check says of it")
         return run_of(json.loads(Path(f"{stem}.json").read_text(encoding="utf-8")), setting, spp, seed)
 
 
@@ -115,19 +118,24 @@ def too_much(study, setting, taken, free_bytes):
 
     Loading takes what it took at the first point, and beyond that what grows in proportion.
     """
-    if study.full or not taken:
+    if not taken:
         return None
     (_, (first, *_)), (last, (run, *_)) = taken[0], taken[-1]
     growth = setting.counted / last.counted if setting.axis in ("resolution", "triangles", "lights") else 1.0
+    if run.peak_bytes and run.peak_bytes * growth > free_bytes:
+        return f"about {run.peak_bytes * growth / 2**30:.1f} GiB of memory, of which {free_bytes / 2**30:.1f} are free"
     least_s = LEAST_SPP * setting.pixels * run.render_cpu_s / (run.spp * last.pixels)
     load_s = first.load_cpu_s + max(run.load_cpu_s - first.load_cpu_s, 0.0) * growth
     needed_s = study.repeats * (load_s + least_s)
     most_s = MOST_SHARE * study.budget_s
-    if needed_s > most_s:
+    if needed_s > most_s and not study.full:
         return f"about {needed_s:.0f} CPU s, more than {most_s:.0f} of the budget; --full takes it"
-    if run.peak_bytes and run.peak_bytes * growth > free_bytes:
-        return f"about {run.peak_bytes * growth / 2**30:.1f} GiB of memory, of which {free_bytes / 2**30:.1f} are free"
     return None
+
+
+def too_many(study, setting):
+    """Why a number of threads is left out, or None."""
+    return f"more threads than the {study.threads} of this study (--threads)" if setting.threads > study.threads else None
 
 
 def free_memory():
@@ -139,19 +147,41 @@ def free_memory():
         return float("inf")
 
 
-def measure(study, tell=print):
-    """Runs of every setting by (axis, integrator), in the order of the values, and what was left out by the same."""
+def measure(study, tell=print, keep=lambda found: None):
+    """Runs of every setting by (axis, integrator), in the order of the values, and what was left out by the same.
+
+    `keep` gets all runs so far again and again, so that what ends the study does not take them along.
+    """
     found, left_out = {}, {}
     for axis in study.axes:
         for integrator in axis.integrators:
             runs, out = first_pass(study, axis, integrator)
             found[axis.name, integrator], left_out[axis.name, integrator] = runs, out
+            keep(found)
             tell(f"{axis.name} {integrator}: {len(runs)} points, {len(out)} left out")
-    pending = [(setting, runs, repeat) for series in found.values() for setting, runs in series for repeat in range(1, study.repeats)]
-    random.Random(1).shuffle(pending)
-    for setting, runs, repeat in pending:
-        runs.append(render(study.program, setting, runs[0].spp, repeat + 1))
+    if not any(found.values()):
+        raise InputError(study.program, f"can render no point: {first_reason(left_out)}", "see what etalon check says of a scene of the study")
+    later_passes(study, found, left_out, keep)
     return found, left_out
+
+
+def first_reason(left_out):
+    """Why the first of what was left out is."""
+    return next((reason for out in left_out.values() for reason in out.values()), "there is none")
+
+
+def later_passes(study, found, left_out, keep):
+    """Adds the other runs of every setting; one that fails is not tried again."""
+    pending = [(series, setting, runs, repeat) for series, settings in found.items() for setting, runs in settings for repeat in range(1, study.repeats)]
+    random.Random(1).shuffle(pending)
+    for series, setting, runs, repeat in pending:
+        if setting.counted in left_out[series]:
+            continue
+        try:
+            runs.append(render(study.program, setting, runs[0].spp, repeat + 1))
+            keep(found)
+        except (InputError, OSError) as error:
+            left_out[series][setting.counted] = f"further runs: {error}"
 
 
 def first_pass(study, axis, integrator):
@@ -159,15 +189,16 @@ def first_pass(study, axis, integrator):
     series, out = [], {}
     for value in axis.values:
         setting = setting_of(study, axis, integrator, value)
-        if setting.threads > study.threads:
-            break
-        reason = too_much(study, setting, series, free_memory())
+        reason = too_many(study, setting) or too_much(study, setting, series, free_memory())
         if reason:
             out[setting.counted] = reason
             continue
-        write_hall(study.folder, *contents(axis.name, value))
         spp = samples_in(part_of(study), setting, sample_seconds(series))
-        series.append((setting, [render(study.program, setting, spp, 1)]))
+        try:
+            write_hall(study.folder, *contents(axis.name, value))
+            series.append((setting, [render(study.program, setting, spp, 1)]))
+        except (InputError, OSError) as error:
+            out[setting.counted] = str(error)
     return series, out
 
 

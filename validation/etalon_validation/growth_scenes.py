@@ -129,12 +129,11 @@ def hall_file(folder, lamp_count=1, triangles=0):
 
 
 def write_hall(folder, lamp_count=1, triangles=0):
-    """Writes a scene and its mesh, unless they are there; the scene's path."""
+    """Writes a scene and its mesh, whatever is there from an earlier study; the scene's path."""
     folder = Path(folder)
     file = hall_file(folder, lamp_count, triangles)
     mesh = f"torus-{triangles}.ply" if triangles else None
-    if mesh and not (folder / mesh).is_file():
+    if mesh:
         write_ply(folder / mesh, *torus(triangles))
-    if not file.is_file():
-        file.write_text(json.dumps(hall(lamp_count, mesh)), encoding="utf-8")
+    file.write_text(json.dumps(hall(lamp_count, mesh)), encoding="utf-8")
     return file

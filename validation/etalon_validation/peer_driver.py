@@ -6,6 +6,7 @@ it renders:
 - `NAME` begins the names of its series, `COMMAND` is its subcommand of this harness.
 - `INTEGRATORS` are what `--integrator` takes; `REFERENCE` says for each which of them
   makes the converged picture that it is judged against.
+- `SETUP`, if there, are those whose rendering begins with work that does not grow with samples.
 - `ready(target, spectra)` makes or finds what a run needs, below the folder `target`, and
   returns `Ready`; an `InputError` says in one line why the peer is left out.
 - `refuses(integrator, scene)` says why an integrator cannot render a scene, or `None`.

@@ -34,8 +34,11 @@ INTEGRATORS = ("path", "bdpt", "mlt")
 REFERENCE = {"path": "path", "bdpt": "bdpt", "mlt": "bdpt"}
 # Reflections after which paths end: those of the path tracer long after its roulette has ended them.
 MOST_BOUNCES = 64
-# First samples of Metropolis, as shipped, and how many more a seed of one takes.
-FIRST_SAMPLES, SEED_STEP = 100_000, 997
+# What of the integrators takes the same seconds for however few samples.
+SETUP = ("mlt",)
+# First samples of Metropolis, as shipped, and how many more a seed of one takes. After so many seeds they begin again, so that
+# none takes a tenth more; those of a session, from 999, and those of converged pictures, from 1, fall on different numbers.
+FIRST_SAMPLES, SEED_STEP, SEEDS = 100_000, 97, 103
 # XYZ from the linear RGB of its film: the inverse of the matrix that it writes by.
 RGB_FROM_XYZ = np.array([[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.041556], [0.055648, -0.204043, 1.057311]])
 NOTES = (
@@ -68,8 +71,13 @@ def integrator_line(order):
         return f'Integrator "path" "integer maxdepth" [ {MOST_BOUNCES} ]'
     line = f'Integrator "{order.integrator}" "integer maxdepth" [ {bounces(order.scene)} ]'
     if order.integrator == "mlt":
-        line += f' "integer mutationsperpixel" [ {order.spp} ] "integer bootstrapsamples" [ {FIRST_SAMPLES + SEED_STEP * order.seed} ]'
+        line += f' "integer mutationsperpixel" [ {order.spp} ] "integer bootstrapsamples" [ {first_samples(order.seed)} ]'
     return line
+
+
+def first_samples(seed):
+    """How many first samples of Metropolis stand for a seed."""
+    return FIRST_SAMPLES + SEED_STEP * (seed % SEEDS)
 
 
 def render(order):
@@ -85,7 +93,12 @@ def render(order):
         small = replace(order, integrator="path", spp=1)
         file.write_text(scene_text(small, integrator_line(small), Path(folder) / "pixel.exr"), encoding="utf-8")
         loading = timed(program, file, Path(folder) / "pixel.exr", order.threads, "--cropwindow", one_pixel(order.scene.camera))
-        return Answer(read_xyz(film), max(whole[0] - loading[0], 0.0), max(whole[1] - loading[1], 0.0), float(order.spp))
+        return Answer(read_xyz(film), max(whole[0] - loading[0], 0.0), max(whole[1] - loading[1], 0.0), float(spp_taken(order)))
+
+
+def spp_taken(order):
+    """Samples per pixel that are really taken: `zsobol` goes down to a power of two, mutations are as many as asked for."""
+    return order.spp if order.integrator == "mlt" else 1 << (order.spp.bit_length() - 1)
 
 
 def one_pixel(camera):

@@ -32,7 +32,7 @@ LONGER_SIDE = 96
 # How many times the CPU seconds of the smallest point a sample per pixel of the slowest series may take.
 SLACK = 8
 # Modules that decide what a peer is given, besides its own.
-EXPORT = ("spectra", "scene", "shapes", "variant", "write", "converged")
+EXPORT = ("spectra", "scene", "shapes", "variant", "write", "converged", "depth", "command")
 
 
 @dataclass(frozen=True)

@@ -69,11 +69,9 @@ def headline(result):
             continue
         # All by one measure, so that picking is fair.
         is_trimmed = any(row.is_trimmed for row in rows)
-
-        def value(row):
-            measured = row.rendering_trimmed if is_trimmed else row.rendering
-            return 0.0 if measured is None else measured.value
-
-        ours = max({row.ours for row in rows}, key=lambda name: max(value(row) for row in rows if row.ours == name))
-        found.append(replace(min((row for row in rows if row.ours == ours), key=value), is_trimmed=is_trimmed))
+        # What has no value by that measure cannot be picked; a row that is trimmed of itself has one.
+        rows = [replace(row, is_trimmed=is_trimmed) for row in rows]
+        rows = [row for row in rows if row.counts is not None]
+        ours = max({row.ours for row in rows}, key=lambda name: max(row.counts.value for row in rows if row.ours == name))
+        found.append(min((row for row in rows if row.ours == ours), key=lambda row: row.counts.value))
     return found

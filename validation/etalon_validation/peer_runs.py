@@ -20,6 +20,7 @@ class Contestant:
     """A series of the session: `words(spp, seed, output, times)` is the command of a run.
 
     `stages` reads the seconds that it tells of itself, by the keys of `times` in Etalon's report.
+    `has_setup`: its seconds of rendering hold some that do not grow with samples.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Contestant:
     stages: Callable
     environment: dict | None = None
     is_foreign: bool = False
+    has_setup: bool = False
 
 
 def etalon(program, scene, integrator, resolution, threads, name=None):
@@ -71,7 +73,8 @@ def peer(driver, ready, integrator, case, spectra, resolution, threads):
             "--spp", spp, "--seed", seed, "--threads", threads, "-o", output, "--times", times,
         ]
 
-    return Contestant(f"{driver.NAME} {integrator}", words, lambda report: report, ready.environment, is_foreign=True)
+    has_setup = integrator in getattr(driver, "SETUP", ())
+    return Contestant(f"{driver.NAME} {integrator}", words, lambda report: report, ready.environment, is_foreign=True, has_setup=has_setup)
 
 
 def run(contestant, point, repeat, spp, seed, output):

@@ -1,7 +1,7 @@
 """A paired session: Mitsuba and Etalon in turns, at budgets that double, on as many threads.
 
-Every series gets about the same processor seconds of rendering at a point, by a
-first run of each that is thrown away. All points and series of a repeat run
+Every series gets about the same processor seconds of rendering at a point, by
+first runs of each that are thrown away. All points and series of a repeat run
 before the next repeat, each beginning with another series, so that what else
 the machine does falls on all. Seeds are those of no reference.
 """
@@ -26,13 +26,15 @@ REPEATS = 5
 FIRST_SEED = 1000
 TRIAL_SEED = 999
 TRIAL_SPP = 16
+# How many times as many samples the second trial of a series with set-up takes.
+TRIAL_LEAD = 8
 # A reference has at least so many times the samples of the last point of Etalon's path tracer.
 REFERENCE_LEAD = 16
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What a first run of a series told: seconds before and after rendering, and per sample of each pixel."""
+    """What first runs of a series told: seconds that do not grow with samples, and those per sample of each pixel."""
 
     load_s: float
     cpu_s_per_spp: float
@@ -47,7 +49,7 @@ class Schedule:
 
 
 def costs(contestants, drop=None):
-    """The `Cost` of each series by a run that is thrown away; `drop(contestant, error)` may take what fails."""
+    """The `Cost` of each series by runs that are thrown away; `drop(contestant, error)` may take what fails."""
     found = {}
     for contestant in contestants:
         try:
@@ -61,12 +63,26 @@ def costs(contestants, drop=None):
 
 def cost_of(contestant):
     """The `Cost` of one series."""
+    tried = trial(contestant, TRIAL_SPP)
+    # Processor seconds, which hardly grow with what else the machine does; most of loading is on one thread.
+    load_s, sample_s = max(tried.cpu_s - tried.render_cpu_s, 0.0), tried.render_cpu_s / TRIAL_SPP
+    if not contestant.has_setup:
+        return Cost(load_s, sample_s)
+    longer = trial(contestant, TRIAL_LEAD * TRIAL_SPP)
+    each_s = (longer.render_cpu_s - tried.render_cpu_s) / (longer.spp - tried.spp)
+    if each_s <= 0:
+        # Set-up hides the samples: they take no more than everything together.
+        each_s = longer.render_cpu_s / longer.spp
+    return Cost(load_s + max(tried.render_cpu_s - each_s * TRIAL_SPP, 0.0), min(each_s, sample_s))
+
+
+def trial(contestant, spp):
+    """A `Run` that is thrown away."""
     with tempfile.TemporaryDirectory() as folder:
-        tried = run(contestant, 0, 0, TRIAL_SPP, TRIAL_SEED, Path(folder) / "trial.exr")
+        tried = run(contestant, 0, 0, spp, TRIAL_SEED, Path(folder) / "trial.exr")
     if not tried.render_cpu_s or tried.render_cpu_s <= 0:
         raise InputError(contestant.name, "tells no seconds of rendering", "use a build of this version")
-    # Processor seconds, which hardly grow with what else the machine does; most of loading is on one thread.
-    return Cost(max(tried.cpu_s - tried.render_cpu_s, 0.0), tried.render_cpu_s / TRIAL_SPP)
+    return tried
 
 
 def schedule(found, budget_s, threads, most_spp, share=1.0, slack=1.0):

@@ -15,6 +15,7 @@ import numpy as np
 
 from etalon_validation import growth, growth_runs
 from etalon_validation.cli import main
+from etalon_validation.errors import InputError
 from etalon_validation.growth_data import Axis, Run, Setting
 from etalon_validation.growth_fit import exponent, exponents, geometric, point_of
 from etalon_validation.growth_plot import draw
@@ -57,6 +58,15 @@ class Scenes(unittest.TestCase):
             mesh = json.loads(file.read_text())["objects"][8]["shape"]["ply"]["file"]
         self.assertEqual((triangles_of(400), mesh), (400, "torus-400.ply"))
         self.assertEqual(len(data) - data.index(b"end_header\n") - 11, 200 * 12 + 400 * 13)
+
+    def test_what_an_earlier_study_left_is_written_anew(self):
+        with tempfile.TemporaryDirectory() as folder:
+            made = [write_hall(folder, 2, 100), Path(folder) / "torus-100.ply"]
+            fresh = [file.read_bytes() for file in made]
+            for file in made:
+                file.write_bytes(b"of an earlier program")
+            write_hall(folder, 2, 100)
+            self.assertEqual([file.read_bytes() for file in made], fresh)
 
     def test_lamps_share_one_area_and_one_flux(self):
         for count in (1, 10, 1000):
@@ -119,7 +129,82 @@ class Passes(unittest.TestCase):
         self.assertIn("--full", too_much(study, at(1000000), taken, 1e12))
         self.assertIsNone(too_much(self.study(axes, full=True), at(1000000), taken, 1e12))
         self.assertIsNone(too_much(study, at(20000), taken, 1e12))
-        self.assertIn("memory", too_much(study, at(20000), taken, 1.0))
+        for each in (study, self.study(axes, full=True)):
+            self.assertIn("memory", too_much(each, at(20000), taken, 1.0))
+
+    def failing(self, fails):
+        """Runs that fail where `fails(setting, seed)` says so; how many were tried is `self.tried`."""
+        self.tried = 0
+
+        def fake(program, setting, spp, seed):
+            self.tried += 1
+            if fails(setting, seed):
+                raise InputError(setting.scene, "out of luck", "try again")
+            return run(cpu_s=1e-6 * spp * setting.pixels, spp=spp)
+
+        return mock.patch.object(growth_runs, "render", fake)
+
+    def test_a_point_that_fails_is_named_and_costs_no_other_its_runs(self):
+        axes = (Axis("depth", "bounces", (1, 2, 4, 8), ("path",)), Axis("channels", "layers", (1, 4), ("path",)))
+        kept = []
+
+        def keep(found):
+            kept.append({key: sum(len(runs) for _, runs in settings) for key, settings in found.items()})
+
+        # Two bounces never, four the first time only.
+        with self.failing(lambda setting, seed: setting.axis == "depth" and (setting.value == 2 or setting.value == 4 and seed > 1)):
+            found, left_out = measure(self.study(axes), lambda line: None, keep)
+        self.assertEqual([(setting.value, len(runs)) for setting, runs in found["depth", "path"]], [(1, 3), (4, 1), (8, 3)])
+        self.assertEqual([len(runs) for _, runs in found["channels", "path"]], [3, 3])
+        self.assertEqual(list(left_out["depth", "path"]), [2, 4])
+        self.assertTrue(all("out of luck" in reason and "\n" not in reason for reason in left_out["depth", "path"].values()))
+        self.assertEqual(self.tried, 6 + 2 * 4 + 1, "what failed is not tried again")
+        # After each first pass, and after each run of the later ones.
+        self.assertEqual(kept[:2], [{("depth", "path"): 3}, {("depth", "path"): 3, ("channels", "path"): 2}])
+        self.assertEqual([sum(counts.values()) for counts in kept[2:]], list(range(6, 14)))
+
+    def test_an_integrator_without_a_point_is_drawn_and_told(self):
+        axes = (Axis("depth", "bounces", (1, 2, 4), ("path", "bdpt")),)
+        with self.failing(lambda setting, seed: setting.integrator == "bdpt"):
+            series = growth.series_of(axes, *measure(self.study(axes), lambda line: None))
+        self.assertEqual([len(one.points) for one in series], [3, 0])
+        draw(series, "caption")
+        self.assertEqual(sum("out of luck" in line for line in growth.describe(series)), 3)
+
+    def test_a_study_without_a_point_is_an_error(self):
+        axes = (Axis("depth", "bounces", (1, 2), ("path",)),)
+        with self.failing(lambda setting, seed: True), self.assertRaisesRegex(InputError, "out of luck"):
+            measure(self.study(axes), lambda line: None)
+
+    def test_runs_so_far_are_in_the_file_when_the_study_is_stopped(self):
+        def stopped(setting, seed):
+            if seed == 2:
+                raise KeyboardInterrupt
+            return False
+
+        study = replace(self.study((Axis("depth", "bounces", (1, 2, 4), ("path",)),)), program=Path(__file__))
+        with self.failing(stopped), self.assertRaises(KeyboardInterrupt):
+            growth.run(study, lambda line: None)
+        with (study.folder / "growth.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), self.tried - 1)
+        self.assertGreaterEqual(len(rows), 3)
+
+    def test_numbers_of_threads_above_those_of_the_study_are_named(self):
+        axes = (Axis("threads", "threads", (1, 2, 4, 8), ("path",)),)
+        with self.failing(lambda setting, seed: False):
+            found, left_out = measure(self.study(axes), lambda line: None)
+        self.assertEqual([setting.threads for setting, _ in found["threads", "path"]], [1, 2])
+        self.assertEqual(list(left_out["threads", "path"]), [4, 8])
+        self.assertIn("--threads", left_out["threads", "path"][4])
+
+    def test_a_run_that_is_killed_says_by_what(self):
+        with tempfile.TemporaryDirectory() as folder:
+            program = Path(folder) / "etalon"
+            program.write_text("#!/bin/sh\nkill -9 $$\n")
+            program.chmod(0o755)
+            with self.assertRaisesRegex(InputError, "signal 9"):
+                growth_runs.render(program, TOKEN, 4, 1)
 
     def test_every_point_is_taken_as_often_with_other_seeds_and_the_same_samples(self):
         axes = (Axis("depth", "bounces", (1, 2, 4), ("path", "bdpt")),)

@@ -5,15 +5,18 @@ import re
 import stat
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from etalon_validation.errors import InputError
 from etalon_validation.peer_command import Order
-from etalon_validation.peer_pbrt import INTEGRATORS, PROGRAM, REFERENCE, integrator_line, read_xyz, render
+from etalon_validation.peer_converged import FIRST_SEED as FIRST_OF_CONVERGED, RUNS
+from etalon_validation.peer_pbrt import FIRST_SAMPLES, INTEGRATORS, PROGRAM, REFERENCE, integrator_line, read_xyz, render, spp_taken
 from etalon_validation.peer_pbrt_scene import FIRST_NM, LAST_NM, faces, lamp, material, scene_text, shape, spectrum
 from etalon_validation.peer_scene import EFFICACY, Camera, Cylinder, Diffuse, Disk, Faces, Glass, Metal, Scene, Spectra, Sphere, Table, Thing
+from etalon_validation.peer_session import FIRST_SEED, POINTS, REPEATS
 
 from .peer_files import write_exr
 
@@ -103,6 +106,20 @@ class Files(unittest.TestCase):
             self.assertNotEqual(first[0] if name == "mlt" else first[1], second[0] if name == "mlt" else second[1])
             self.assertIn(REFERENCE[name], INTEGRATORS)
 
+    def test_first_samples_of_metropolis_stay_near_those_shipped_and_differ_within_a_session(self):
+        def first(seed):
+            return int(values(integrator_line(order("mlt", seed)), "bootstrapsamples")[0])
+
+        for seed in (*range(120), *range(990, 1101)):
+            self.assertTrue(FIRST_SAMPLES <= first(seed) < 1.1 * FIRST_SAMPLES, seed)
+        # A session takes one seed more where one of its own is taken.
+        seeds = [*range(FIRST_OF_CONVERGED, FIRST_OF_CONVERGED + RUNS), *range(FIRST_SEED, FIRST_SEED + REPEATS * POINTS + 1)]
+        self.assertEqual(len({first(seed) for seed in seeds}), len(seeds))
+
+    def test_samples_that_are_told_are_those_that_are_taken(self):
+        taken = {name: [spp_taken(replace(order(name), spp=spp)) for spp in (1, 2, 3, 64, 100, 127)] for name in INTEGRATORS}
+        self.assertEqual(taken, {"path": [1, 2, 2, 64, 64, 64], "bdpt": [1, 2, 2, 64, 64, 64], "mlt": [1, 2, 3, 64, 100, 127]})
+
     def test_luminance_of_the_film_is_the_weighted_sum_of_its_channels(self):
         with tempfile.TemporaryDirectory() as folder:
             pixels = np.random.default_rng(1).random((4, 5, 3)) * 100
@@ -112,8 +129,8 @@ class Files(unittest.TestCase):
 
 
 class Failures(unittest.TestCase):
-    def refused(self, script):
-        """The error of a run of a program that is this shell script."""
+    def answered(self, script, asked):
+        """The answer of `render` by a program that is this shell script."""
         with tempfile.TemporaryDirectory() as folder:
             program = Path(folder) / "pbrt-r4"
             program.write_text(f"#!/bin/sh\n{script}\n")
@@ -121,9 +138,21 @@ class Failures(unittest.TestCase):
             before = os.environ.get(PROGRAM)
             os.environ[PROGRAM] = str(program)
             self.addCleanup(lambda: os.environ.pop(PROGRAM) if before is None else os.environ.update({PROGRAM: before}))
-            with self.assertRaises(InputError) as caught:
-                render(order())
+            return render(asked)
+
+    def refused(self, script):
+        """The error of a run of a program that is this shell script."""
+        with self.assertRaises(InputError) as caught:
+            self.answered(script, order())
         return str(caught.exception)
+
+    def test_an_answer_tells_the_samples_of_its_sampler(self):
+        with tempfile.TemporaryDirectory() as folder:
+            film = Path(folder) / "made.exr"
+            write_exr(film, {name: np.ones((16, 32)) for name in "RGB"})
+            script = f"""for word; do file=$word; done\ncp '{film}' "$(sed -n 's/.*"string filename" . "\\([^"]*\\)".*/\\1/p' "$file")" """
+            told = {name: self.answered(script, replace(order(name), spp=100)).spp for name in INTEGRATORS}
+        self.assertEqual(told, {"path": 64.0, "bdpt": 64.0, "mlt": 100.0})
 
     def test_a_program_that_fails_is_told_with_its_last_words(self):
         self.assertIn("no such shape", self.refused("echo first >&2; echo no such shape >&2; exit 1"))

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 import tempfile
 import types
 import unittest
@@ -16,8 +17,8 @@ from etalon_validation.converge_reference import FileReference
 from etalon_validation.errors import InputError
 from etalon_validation.peer_agreement import AGREES, DIFFERS
 from etalon_validation.peer_converged import RUNS, Converged, converged, most_efficient
-from etalon_validation.peer_driver import Ready
-from etalon_validation.peer_race import OURS, judge, race, ready_peers
+from etalon_validation.peer_driver import DRIVERS, Ready
+from etalon_validation.peer_race import EXPORT, OURS, judge, race, ready_peers
 from etalon_validation.peer_race_report import lines, write_all
 from etalon_validation.peer_ratios import headline, ratios
 from etalon_validation.peer_runs import Contestant
@@ -84,6 +85,21 @@ class Kept(Made):
             file = self.folder / "references" / f"other.{kind}"
             file.write_bytes(file.read_bytes()[:-9])
             self.assertEqual(self.make()[1], 1 + RUNS, kind)
+
+    def test_every_module_that_makes_a_peers_order_is_part_of_its_key(self):
+        """What a peer's modules import, and what those import, but what finds and starts the renderer."""
+        here = Path(peer_race.__file__).parent
+        others = {"driver", "environment", "llvm"}
+        for name in DRIVERS:
+            own = {file.stem.removeprefix("peer_") for file in here.glob(f"peer_{name}*.py")}
+            reached, pending = set(), sorted(own)
+            while pending:
+                part = pending.pop()
+                reached.add(part)
+                found = re.findall(r"^ *from \.peer_(\w+) import", (here / f"peer_{part}.py").read_text(encoding="utf-8"), re.MULTILINE)
+                pending += sorted(set(found) - reached - others - set(pending))
+            self.assertGreater(len(reached), len(own), name)
+            self.assertLessEqual(reached - own, set(EXPORT), name)
 
     def test_its_noise_is_the_scatter_of_its_runs(self):
         made, _ = self.make()
@@ -153,6 +169,14 @@ class Ratios(unittest.TestCase):
         peers = {"other slow": (2.0, 1.0, {}), "other good": (1.0, 1.0, {}), "other wrong": (0.2, 1.3, {}), "third wrong": (1.0, 0.7, {})}
         rows = headline(result(self.generator, peers))
         self.assertEqual([(row.peer, row.verdict) for row in rows], [("other good", AGREES), ("third wrong", DIFFERS)])
+
+    def test_a_series_without_a_value_by_the_measure_that_counts_is_not_picked(self):
+        made = result(self.generator, {"other blank": (1.0, 1.0, {}), "other heavy": (2.0, 1.0, {})})
+        blank = dataclasses.replace(made.rendering[1], efficiency_trimmed=None)
+        heavy = dataclasses.replace(made.rendering[2], flags=(types.SimpleNamespace(name="heavy tail", text=""),))
+        (row,) = headline(dataclasses.replace(made, rendering=(made.rendering[0], blank, heavy)))
+        self.assertEqual((row.peer, row.is_trimmed), ("other heavy", True))
+        self.assertGreater(row.counts.value, 1)
 
 
 class Sessions(Made):

@@ -15,7 +15,7 @@ from etalon_validation.peer_llvm import LIBRARY, candidates, usable
 from etalon_validation.peer_mitsuba import MOST_LANES, passes
 from etalon_validation.peer_runs import Contestant, etalon_stages
 from etalon_validation.peer_series import PeerOption, load_peer, settle_peer
-from etalon_validation.peer_session import POINTS, REPEATS, Cost, Schedule, rounds, schedule, series_of, write_peer
+from etalon_validation.peer_session import POINTS, REPEATS, Cost, Schedule, cost_of, rounds, schedule, series_of, write_peer
 from etalon_validation.peer_study import Judged, compared
 
 from .peer_files import SIZE, noisy, truth, write_exr
@@ -109,6 +109,23 @@ class Rounds(unittest.TestCase):
         found = row["process"]
         self.assertTrue(found["low"] < 4 < found["high"], found)
         self.assertLess(found["high"] / found["low"], 1.3)
+
+    def told(self, seconds, has_setup):
+        """The `Cost` of a program that tells these seconds of rendering for a number of samples."""
+        def words(spp, seed, output, times):
+            return ["sh", "-c", f"echo '{json.dumps({'render': {'cpu_s': seconds(spp), 'wall_s': 1.0}})}' > '{times}'"]
+
+        return cost_of(Contestant("other", words, lambda report: report, has_setup=has_setup))
+
+    def test_what_does_not_grow_with_samples_is_charged_once_a_run(self):
+        found = self.told(lambda spp: 3.3 + 0.02 * spp, True)
+        self.assertAlmostEqual(found.load_s, 3.3)
+        self.assertAlmostEqual(found.cpu_s_per_spp, 0.02)
+        self.assertAlmostEqual(self.told(lambda spp: 3.3 + 0.02 * spp, False).cpu_s_per_spp, 3.62 / 16)
+
+    def test_set_up_that_hides_the_samples_leaves_them_a_bound_above_zero(self):
+        found = self.told(lambda spp: 3.3 - 1e-3 * spp, True)
+        self.assertTrue(0 < found.cpu_s_per_spp <= 3.3 / 128, found)
 
     def test_a_report_tells_its_stages_or_rendering_alone(self):
         times = {"load": {"cpu_s": 1.0, "wall_s": 2.0}, "render": {"cpu_s": 3.0, "wall_s": 4.0}}
