@@ -12,6 +12,9 @@ pub fn error_words(facts: &Facts) -> String {
             .map_or_else(String::new, |error| format!(", relative error {}", per_cent(error)));
     };
     let now = error.picture.relmse.sqrt();
+    if now > MOST_KNOWN {
+        return format!(", relative error {} or more: too few samples to tell", per_cent(now));
+    }
     let projected = projection(facts, now);
     let of = if facts.missing.is_empty() { "" } else { " of the light that it can find" };
     if error.picture.heavy_tail {
@@ -19,6 +22,10 @@ pub fn error_words(facts: &Facts) -> String {
     }
     format!(", relative error {}{of}{}{projected}", per_cent(now), sureness(&error.picture))
 }
+
+/// Relative error above which the estimate is a bound: it divides by the picture, in which a pixel that one
+/// bright sample holds is off by about its own value at most, however rare such samples are.
+const MOST_KNOWN: f64 = 0.3;
 
 /// The interval, or why there is none.
 fn sureness(picture: &PictureError) -> String {
